@@ -1,0 +1,76 @@
+# fairlead. `make help` lists the targets. One makefile, no recursion but for other compilers and sanitizers.
+.DEFAULT_GOAL := help
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(shell nproc) --output-sync=target --no-print-directory
+endif
+
+BUILD ?= build
+CXX   := $(if $(filter default,$(origin CXX)),g++,$(CXX))
+OPT   ?= -O2
+
+STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Werror
+# the same bits everywhere: no fused multiply-add, no errno side of sqrt, baseline instruction set
+BITS   := -ffp-contract=off -fno-math-errno
+BASE   := -std=c++17 -g -pthread $(BITS) $(STRICT) -Ilib/include -I.
+HOST   := $(BASE) $(OPT) $(EXTRA)
+DEVICE := $(BASE) $(OPT) -fno-exceptions -fno-rtti
+
+LIB_HEADERS := $(shell find lib/include -name '*.hpp' | sort)
+OWN_SOURCES := $(shell git ls-files -co --exclude-standard '*.hpp' '*.cpp' '*.h' '*.c' 2>/dev/null)
+
+# ---- programs and tests: one object per source file, headers tracked by the compiler
+objects = $(patsubst %.cpp,$(BUILD)/obj/%.o,$(1))
+UNIT_SOURCES := $(sort $(wildcard tests/unit/*.cpp tests/laws/*.cpp))
+
+$(BUILD)/obj/%.o: %.cpp
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) -MMD -MP -c $< -o $@
+
+-include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
+
+$(BUILD)/tests/unit: $(call objects,$(UNIT_SOURCES))
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -lgtest -lgtest_main -o $@
+
+# ---- every public header compiles alone, strictly, without exceptions and RTTI
+$(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
+	@mkdir -p $(@D)
+	$(CXX) $(DEVICE) -fsyntax-only -include $< -x c++ /dev/null && touch $@
+
+##
+.PHONY: help
+help:            ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/^([a-z-]+):.*## /  \1|/' | column -t -s'|'
+
+.PHONY: setup-build setup-demo setup-test setup-clang setup-lint
+setup-%:
+	@.ci/setup $*
+
+.PHONY: test
+TEST_PROGRAMS := $(BUILD)/tests/unit
+test: setup-build setup-test ## build and run all tests that need no other machine (installs what is missing)
+	@$(MAKE) BUILD=$(BUILD) build-tests
+	@tests/run $(TEST_PROGRAMS)
+
+.PHONY: build-tests headers
+build-tests: $(TEST_PROGRAMS) headers
+headers:         ## compile every public header alone, under the strict flags
+headers: $(patsubst lib/include/%.hpp,$(BUILD)/headers/%.ok,$(LIB_HEADERS))
+
+.PHONY: test-clang test-sanitize
+test-clang: setup-clang ## the same tests, built with clang++
+	@$(MAKE) test BUILD=build/clang CXX=clang++
+test-sanitize: setup-clang ## the same tests under AddressSanitizer and UBSan
+	@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-fsanitize=address,undefined -fno-sanitize-recover=all'
+
+.PHONY: format format-check tidy
+format: setup-lint ## rewrite the sources in the project's format
+	@clang-format -i $(OWN_SOURCES)
+format-check: setup-lint ## fail where a source is not in the project's format
+	@clang-format --dry-run --Werror $(OWN_SOURCES)
+tidy: setup-lint ## clang-tidy over the library and the programs
+	@clang-tidy --quiet $(LIB_HEADERS) -- -xc++ $(BASE)
+
+.PHONY: clean
+clean:           ## remove everything that was built
+	rm -rf build

@@ -1,0 +1,74 @@
+#pragma once
+// What flows through fairlead: Sample in, Pose inside, spans out (reduce/span.hpp). All plain data.
+//
+// Conventions, stated once:
+//   - SI units: m, s, rad, rad/s, m/s^2; magnetic field in uT. Degrees and g exist at the edges
+//   only.
+//   - Time is int64 nanoseconds of a monotonic clock of the caller's choice; it arrives in the
+//   data.
+//   - Frames are two letters, target first: q_wb takes body to world, v_w = q_wb * v_b *
+//   conj(q_wb),
+//     and q_wb * q_ba = q_wa.
+//   - Every angle in the API is the full rotation angle in radians. The half-angle exp/log
+//   convention
+//     of quaternions is known to math/quat.hpp alone.
+#include <cstdint>
+#include <type_traits>
+
+namespace fairlead {
+
+template <class Real>
+struct BasicVec3 {
+    Real x{}, y{}, z{};
+};
+
+/// Unit quaternion of a rotation, Hamilton product, scalar first. Default: the identity.
+template <class Real>
+struct BasicQuat {
+    Real w{1}, x{}, y{}, z{};
+};
+
+using Vec3 = BasicVec3<float>;
+using Quat = BasicQuat<float>;
+
+/// Quality travels with the data, as bits of Sample::flags and Pose::flags.
+namespace flag {
+enum : std::uint32_t {
+    position_valid = 1u << 0,     // Pose: p_w_m holds a measurement
+    orientation_valid = 1u << 1,  // Pose: q_wb holds a measurement
+    gap_before = 1u << 2,         // time or data is missing before this record: curves start anew
+    position_gap = 1u << 3,       // the same, of the position channel alone
+    orientation_gap = 1u << 4,    // the same, of the orientation channel alone
+    clipped = 1u << 5,            // a sensor axis stood at the end of its range
+    stuck = 1u << 6,              // the same value for longer than a living sensor would give
+    settling = 1u << 7,           // an estimator has not converged yet
+    mag_rejected = 1u << 8,       // the magnetic field is disturbed
+    rest = 1u << 9,               // the board is at rest
+    gyro_valid = 1u << 10,        // Sample: gyro_rad_s holds a measurement
+    accel_valid = 1u << 11,       // Sample: accel_m_s2 holds a measurement
+    mag_valid = 1u << 12,         // Sample: mag_uT holds a measurement
+};
+}  // namespace flag
+
+/// One reading of an IMU, as the chip said it, in SI units and the body frame.
+struct Sample {
+    std::int64_t t_ns{};
+    Vec3 gyro_rad_s{};
+    Vec3 accel_m_s2{};
+    Vec3 mag_uT{};
+    std::uint32_t flags{};
+};
+
+/// Position and orientation of a body. t_ns is the time at which the pose is TRUE: a centred filter
+/// emits its centre tap's time.
+struct Pose {
+    std::int64_t t_ns{};
+    Vec3 p_w_m{};
+    Quat q_wb{};
+    std::uint32_t flags{};
+};
+
+static_assert(std::is_trivially_copyable_v<Sample> && sizeof(Sample) == 48);
+static_assert(std::is_trivially_copyable_v<Pose> && sizeof(Pose) == 40);
+
+}  // namespace fairlead
