@@ -28,9 +28,21 @@ $(BUILD)/obj/%.o: %.cpp
 
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 
-$(BUILD)/tests/unit: $(call objects,$(UNIT_SOURCES))
+$(BUILD)/tests/unit: $(call objects,$(UNIT_SOURCES)) $(BUILD)/libsim.a
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgtest -lgtest_main -o $@
+
+# ---- the host simulator: a program, and its parts as an archive for the tests
+SIM_SOURCES := $(filter-out host_sim/sim.cpp host_sim/timing%, \
+                 $(sort $(wildcard host_sim/*.cpp host_sim/commands/*.cpp host_sim/models/*.cpp)))
+$(BUILD)/libsim.a: $(call objects,$(SIM_SOURCES))
+	@rm -f $@ && $(AR) rcs $@ $^
+$(BUILD)/fairlead-sim: $(call objects,host_sim/sim.cpp) $(BUILD)/libsim.a
+	$(CXX) $(HOST) $^ -o $@
+
+.PHONY: sim
+sim: setup-build ## build the host simulator, build/fairlead-sim
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-sim
 
 # ---- every public header compiles alone, strictly, without exceptions and RTTI
 $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
@@ -53,7 +65,7 @@ test: setup-build setup-test ## build and run all tests that need no other machi
 	@tests/run $(TEST_PROGRAMS)
 
 .PHONY: build-tests headers
-build-tests: $(TEST_PROGRAMS) headers
+build-tests: $(TEST_PROGRAMS) $(BUILD)/fairlead-sim headers
 headers:         ## compile every public header alone, under the strict flags
 headers: $(patsubst lib/include/%.hpp,$(BUILD)/headers/%.ok,$(LIB_HEADERS))
 

@@ -1,0 +1,11 @@
+#pragma once
+// The subcommands of fairlead-sim, one file each: add_<name> in <name>.cpp, listed in sim.cpp.
+namespace CLI {
+class App;
+}
+
+namespace fairlead::sim {
+
+void add_info(CLI::App& app);
+
+}  // namespace fairlead::sim

@@ -1,0 +1,73 @@
+// fairlead-sim info FILE: what a recording holds.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "host_sim/commands/commands.hpp"
+#include "host_sim/commands/options.hpp"
+#include "host_sim/stream.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+struct Counts {
+    std::size_t position{}, orientation{}, both{}, gaps{}, backward{};
+};
+
+std::size_t count_flag(const std::vector<Pose>& poses, std::uint32_t mask) {
+    std::size_t n = 0;
+    for (const Pose& pose : poses) n += (pose.flags & mask) == mask ? 1 : 0;
+    return n;
+}
+
+void print_times(const Recording& recording) {
+    const std::size_t n = recording.size();
+    const double seconds = static_cast<double>(recording.t_ns(n - 1) - recording.t_ns(0)) * 1e-9;
+    std::size_t gaps = 0, backward = 0;
+    double longest_s = 0;
+    for (std::size_t i = 1; i < n; ++i) {
+        const double step_s = static_cast<double>(recording.t_ns(i) - recording.t_ns(i - 1)) * 1e-9;
+        if (step_s <= 0) ++backward;
+        if (step_s > 1.5 * recording.period_s) ++gaps;
+        if (step_s > longest_s) longest_s = step_s;
+    }
+    std::printf("records          %zu\n", n);
+    std::printf("duration         %.3f s\n", seconds);
+    std::printf("nominal rate     %.3f Hz\n",
+                recording.period_s > 0 ? 1 / recording.period_s : 0.0);
+    std::printf("longest step     %.3f ms\n", longest_s * 1e3);
+    std::printf("missing records  %zu place%s in time, %zu backward or repeated\n", gaps,
+                gaps == 1 ? "" : "s", backward);
+}
+
+void run(const InputOptions& input) {
+    const Recording recording = input.read();
+    std::printf("name             %s\n", recording.name.c_str());
+    std::printf("format           %s\n", to_string(recording.format));
+    print_times(recording);
+    if (!recording.samples.empty()) std::printf("holds            IMU samples\n");
+    const auto& poses = recording.samples.empty() ? recording.poses : recording.truth;
+    if (!poses.empty()) {
+        std::printf("%-16s position in %zu, orientation in %zu, both in %zu\n",
+                    recording.samples.empty() ? "holds" : "reference",
+                    count_flag(poses, flag::position_valid),
+                    count_flag(poses, flag::orientation_valid),
+                    count_flag(poses, flag::position_valid | flag::orientation_valid));
+    }
+    if (!recording.moving.empty()) {
+        std::size_t moving = 0;
+        for (const auto m : recording.moving) moving += m;
+        std::printf("movement phase   %zu records\n", moving);
+    }
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+    auto* command = app.add_subcommand("info", "Say what a recording holds");
+    auto input = std::make_shared<InputOptions>();
+    input->add_to(*command, "FILE");
+    command->callback([input] { run(*input); });
+}
+
+}  // namespace fairlead::sim
