@@ -77,9 +77,9 @@ std::int64_t seconds_field(std::string_view text) {
     std::string joined(digits.substr(0, dot));
     if (fraction.find_first_not_of("0123456789") != std::string_view::npos) throw error;
     for (std::size_t i = 0; i < 9; ++i) joined += i < fraction.size() ? fraction[i] : '0';
-    if (joined.size() > 18) throw error;  // 10^9 s: beyond, int64 nanoseconds may not reach
     const auto value = parse_number<std::int64_t>(joined);
-    if (!value || joined.front() == '-' || joined.front() == '+') throw error;
+    if (!value || joined.front() == '-' || joined.front() == '+' || *value == INT64_MAX)
+        throw error;
     const std::int64_t t_ns = *value + (round_up ? 1 : 0);
     return negative ? -t_ns : t_ns;
 }
