@@ -1,0 +1,152 @@
+// Masks: their taps against the papers and against dense fits, and what checks refuse.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "fairlead/smooth/mask.hpp"
+
+using namespace fairlead;
+
+namespace {
+
+/// Least-squares polynomial by normal equations in long double, read at x = 0: tap i is the answer
+/// to a unit sample at i.
+std::vector<double> fitted(std::size_t size, std::size_t centre, std::size_t degree) {
+    const std::size_t n = degree + 1;
+    std::vector<std::vector<long double>> m(n, std::vector<long double>(n + size));
+    for (std::size_t i = 0; i < size; ++i) {
+        const long double x =
+            (static_cast<long double>(i) - static_cast<long double>(centre)) / size;
+        for (std::size_t r = 0; r < n; ++r) {
+            for (std::size_t c = 0; c < n; ++c) m[r][c] += std::pow(x, r + c);
+            m[r][n + i] += std::pow(x, r);
+        }
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+        std::size_t best = k;
+        for (std::size_t r = k; r < n; ++r)
+            if (std::fabs(m[r][k]) > std::fabs(m[best][k])) best = r;
+        std::swap(m[k], m[best]);
+        for (std::size_t r = 0; r < n; ++r) {
+            if (r == k) continue;
+            const long double f = m[r][k] / m[k][k];
+            for (std::size_t c = k; c < n + size; ++c) m[r][c] -= f * m[k][c];
+        }
+    }
+    std::vector<double> taps;
+    for (std::size_t i = 0; i < size; ++i)
+        taps.push_back(static_cast<double>(m[0][n + i] / m[0][0]));
+    return taps;
+}
+
+template <class AMask>
+void expect_taps(const AMask& mask, const std::vector<double>& expected, double tolerance) {
+    ASSERT_EQ(mask.size(), expected.size());
+    for (std::size_t i = 0; i < mask.size(); ++i)
+        EXPECT_NEAR(double{mask.tap(i)}, expected[i], tolerance) << "tap " << i;
+}
+
+}  // namespace
+
+TEST(Mask, BinomialIsThePaperOne) {
+    constexpr auto five = binomial_mask<5>();
+    static_assert(five.centre() == 2 && five.size() == 5);
+    expect_taps(five, {1 / 16., 4 / 16., 6 / 16., 4 / 16., 1 / 16.}, 0);
+    // eq. (24)
+    const std::vector<float> b{-1 / 16.f, -5 / 16.f, 5 / 16.f, 1 / 16.f};
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(five.step(i), b[i]);
+    const auto wide = binomial_mask<65>();
+    double variance = 0, sum = 0;
+    for (std::size_t i = 0; i < 65; ++i) {
+        const double m = static_cast<double>(i) - 32;
+        sum += double{wide.tap(i)};
+        variance += double{wide.tap(i)} * m * m;
+    }
+    EXPECT_NEAR(sum, 1, 1e-7);
+    EXPECT_NEAR(variance, 16, 1e-5);  // (Taps - 1) / 4
+}
+
+TEST(Mask, SmoothingAndSharpeningHaveThePapersSteps) {
+    constexpr double lambda = 0.7;
+    constexpr auto s = smoothing_mask(lambda);
+    const double l = lambda / 24;
+    expect_taps(s, {-l, 4 * l, 1 - 6 * l, 4 * l, -l}, 3e-8);
+    const double bs[] = {l, -3 * l, 3 * l, -l};  // eq. (22)
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(double{s.step(i)}, bs[i], 1e-8);
+    constexpr auto u = sharpening_mask(lambda);
+    const double k = lambda / 16, bu[] = {k, 5 * k, -5 * k, -k};  // eq. (25)
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(double{u.step(i)}, bu[i], 1e-8);
+    // the gain that the header states
+    for (double f = 0; f <= 0.5; f += 0.05) {
+        double gs = 0, gu = 0;
+        for (std::size_t i = 0; i < 5; ++i) {
+            const double c = std::cos(2 * M_PI * f * (static_cast<double>(i) - 2));
+            gs += double{s.tap(i)} * c;
+            gu += double{u.tap(i)} * c;
+        }
+        EXPECT_NEAR(gs, 1 - l * std::pow(2 * std::sin(M_PI * f), 4), 1e-6);
+        EXPECT_NEAR(gu, 1 + lambda * (1 - std::pow(std::cos(M_PI * f), 4)), 1e-6);
+    }
+}
+
+TEST(Mask, SavitzkyGolayIsTheLeastSquaresPolynomial) {
+    expect_taps(savitzky_golay_mask<5, 2>(), {-3 / 35., 12 / 35., 17 / 35., 12 / 35., -3 / 35.},
+                3e-8);
+    expect_taps(savitzky_golay_mask<21, 4>(), fitted(21, 10, 4), 1e-7);
+    expect_taps(causal_savitzky_golay_mask<3, 1>(), {-1 / 6., 2 / 6., 5 / 6.}, 3e-8);
+    expect_taps(causal_savitzky_golay_mask<31, 3>(), fitted(31, 30, 3), 1e-7);
+    static_assert(causal_savitzky_golay_mask<31, 3>().centre() == 30);
+    for (std::size_t degree = 0; degree < 6; ++degree)
+        for (std::size_t size = degree + 1; size < 40; size += 3)
+            for (std::size_t centre = 0; centre < size; centre += 4) {
+                const auto mask = AnyMask<40>::savitzky_golay(size, degree, centre);
+                ASSERT_TRUE(mask);
+                expect_taps(*mask, fitted(size, centre, degree), 4e-6);
+            }
+}
+
+TEST(Mask, FirstMomentAndNoise) {
+    EXPECT_EQ(first_moment(binomial_mask<9>()), 0.0f);
+    EXPECT_NEAR(first_moment(causal_savitzky_golay_mask<15, 1>()), 0.0f, 2e-6f);
+    EXPECT_NEAR(first_moment(causal_savitzky_golay_mask<15, 3>()), 0.0f, 2e-6f);
+    // the mean of the last five samples is two samples late
+    EXPECT_NEAR(first_moment(causal_savitzky_golay_mask<5, 0>()), -2.0f, 1e-6f);
+    EXPECT_NEAR(noise_variance(causal_savitzky_golay_mask<5, 0>()), 0.2f, 1e-6f);
+    // the newest point of a line through N: (4 N - 2) / (N (N + 1))
+    EXPECT_NEAR(noise_variance(causal_savitzky_golay_mask<15, 1>()), 58.0f / 240, 1e-6f);
+}
+
+TEST(Mask, ByHand) {
+    constexpr Mask<3, 0> forward{{0.5, 0.25, 0.25}};
+    static_assert(forward.tap(0) == 0.5f && forward.step(0) == 0.5f && forward.step(1) == 0.25f);
+    constexpr auto checked = Mask<3>::checked({0.25, 0.5, 0.25});
+    static_assert(checked);
+    static_assert(!Mask<3>::checked({0.25, 0.5, 0.2501}));
+    EXPECT_EQ(Mask<3>::checked({0.25, 0.5, 0.26}).status(), Status::bad_argument);
+    EXPECT_EQ(Mask<3>::checked({NAN, 0.5, 0.5}).status(), Status::bad_argument);
+    EXPECT_EQ(Mask<3>::checked({1e9, 1 - 2e9, 1e9}).status(), Status::bad_argument);
+    EXPECT_DEATH((Mask<2>{{0.5, 0.6}}), "");
+    // seven decimals are enough, and the mask used is affine-invariant all the same
+    const auto thirds = Mask<3>::checked({0.3333333, 0.3333333, 0.3333333});
+    ASSERT_TRUE(thirds);
+    EXPECT_NEAR(double{thirds->tap(0)} + double{thirds->tap(1)} + double{thirds->tap(2)}, 1, 1e-7);
+}
+
+TEST(Mask, AnyMaskRefusesWhatItCannotHold) {
+    using M = AnyMask<9>;
+    EXPECT_FALSE(M::binomial(11));
+    EXPECT_FALSE(M::binomial(4));
+    EXPECT_FALSE(M::binomial(0));
+    EXPECT_TRUE(M::binomial(9));
+    EXPECT_FALSE(M::savitzky_golay(5, 5, 4));
+    EXPECT_FALSE(M::savitzky_golay(0, 0, 0));
+    EXPECT_FALSE(M::savitzky_golay(5, 1, 5));
+    EXPECT_FALSE(M::savitzky_golay(11, 1, 5));
+    EXPECT_FALSE(M::smoothing(1e9));
+    EXPECT_FALSE(M::sharpening(NAN));
+    const double taps[] = {0.5, 0.5};
+    EXPECT_FALSE(M::from_taps(taps, 2, 2));
+    EXPECT_TRUE(M::from_taps(taps, 2, 1));
+    EXPECT_FALSE(AnyMask<3>::smoothing(1));
+}
