@@ -218,6 +218,8 @@ template <std::size_t Taps, std::size_t Centre = Taps / 2>
 class OrientationFilter : public detail::MaskFilter<Mask<Taps, Centre>, detail::NoMask> {
   public:
     static constexpr std::size_t latency = Taps - 1 - Centre;  // records
+    constexpr OrientationFilter() noexcept
+        : OrientationFilter{Mask<Taps, Centre>{}} {}  // changes nothing
     constexpr explicit OrientationFilter(const Mask<Taps, Centre>& mask) noexcept
         : detail::MaskFilter<Mask<Taps, Centre>, detail::NoMask>{mask, {}} {}
 };
@@ -227,6 +229,8 @@ template <std::size_t Taps, std::size_t Centre = Taps / 2>
 class PositionFilter : public detail::MaskFilter<detail::NoMask, Mask<Taps, Centre>> {
   public:
     static constexpr std::size_t latency = Taps - 1 - Centre;
+    constexpr PositionFilter() noexcept
+        : PositionFilter{Mask<Taps, Centre>{}} {}  // changes nothing
     constexpr explicit PositionFilter(const Mask<Taps, Centre>& mask) noexcept
         : detail::MaskFilter<detail::NoMask, Mask<Taps, Centre>>{{}, mask} {}
 };
@@ -238,6 +242,7 @@ class PoseFilter : public detail::MaskFilter<Mask<Taps, Centre>, Mask<Taps, Cent
 
   public:
     static constexpr std::size_t latency = Taps - 1 - Centre;
+    constexpr PoseFilter() noexcept : PoseFilter{Mask<Taps, Centre>{}} {}  // changes nothing
     constexpr explicit PoseFilter(const Mask<Taps, Centre>& both) noexcept : Base{both, both} {}
     constexpr PoseFilter(const Mask<Taps, Centre>& orientation,
                          const Mask<Taps, Centre>& position) noexcept
