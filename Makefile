@@ -44,6 +44,15 @@ $(BUILD)/fairlead-sim: $(call objects,host_sim/sim.cpp) $(BUILD)/libsim.a
 sim: setup-build ## build the host simulator, build/fairlead-sim
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-sim
 
+# ---- the Linux port: an archive, and its tests
+PORT_SOURCES := $(sort $(wildcard port/linux/*.cpp))
+PORT_TESTS   := $(sort $(wildcard tests/port/*.cpp))
+$(BUILD)/libport.a: $(call objects,$(PORT_SOURCES))
+	@rm -f $@ && $(AR) rcs $@ $^
+$(BUILD)/tests/port: $(call objects,$(PORT_TESTS)) $(BUILD)/libport.a $(BUILD)/libsim.a
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -lgpiod -lgtest -lgtest_main -o $@
+
 # ---- every public header compiles alone, strictly, without exceptions and RTTI
 $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
 	@mkdir -p $(@D)
@@ -59,7 +68,7 @@ setup-%:
 	@.ci/setup $*
 
 .PHONY: test
-TEST_PROGRAMS := $(BUILD)/tests/unit
+TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port
 test: setup-build setup-test ## build and run all tests that need no other machine (installs what is missing)
 	@$(MAKE) BUILD=$(BUILD) build-tests
 	@tests/run $(TEST_PROGRAMS)

@@ -8,21 +8,26 @@ namespace fairlead {
 
 enum class [[nodiscard]] Status : std::uint8_t{
     ok,
-    timeout,          // the deadline passed
-    end,              // no more data
-    busy,             // somebody else holds the resource
-    not_found,        // no such device, file or address
-    no_permission,    // the system refused access
-    not_supported,    // the device or the system cannot do this
-    no_acknowledge,   // a device on a bus did not answer its address or a byte
-    bus_error,        // the bus itself failed: arbitration, short circuit, controller fault
-    unexpected_id,    // a device answered, but is not the expected part
-    bad_argument,     // a value that the call cannot take
-    bad_data,         // damaged content: checksum, format, range
-    overrun,          // data was lost because it was not read in time
-    io_error,         // anything else that the operating system reported
-    disconnected,     // the peer or the device went away
-    not_enough_data,  // a fit or an estimate needs more before it can answer
+    timeout,           // the deadline passed
+    end,               // no more data
+    busy,              // somebody else holds the resource
+    not_found,         // no such device, file or address
+    no_permission,     // the system refused access
+    not_supported,     // the device or the system cannot do this
+    no_acknowledge,    // a device on a bus did not answer its address or a byte
+    bus_error,         // the bus itself failed: arbitration, short circuit, controller fault
+    unexpected_id,     // a device answered, but is not the expected part
+    bad_argument,      // a value that the call cannot take
+    bad_data,          // damaged content: checksum, format, range
+    overrun,           // data was lost because it was not read in time
+    io_error,          // anything else that the operating system reported
+    disconnected,      // the peer or the device went away
+    not_enough_data,   // a fit or an estimate needs more before it can answer
+    arbitration_lost,  // another controller won the bus
+    checksum,          // a packet error code or a checksum does not match
+    address_in_use,    // a driver of the system owns this bus address
+    protocol_error,    // the peer broke the protocol, for instance by an impossible length
+    closed,            // the handle is not open
 };
 
 /// A short name for messages; never null.
@@ -44,6 +49,11 @@ constexpr const char* to_string(Status s) noexcept {
         case Status::io_error: return "io error";
         case Status::disconnected: return "disconnected";
         case Status::not_enough_data: return "not enough data";
+        case Status::arbitration_lost: return "arbitration lost";
+        case Status::checksum: return "checksum";
+        case Status::address_in_use: return "address in use";
+        case Status::protocol_error: return "protocol error";
+        case Status::closed: return "closed";
     }
     return "unknown";
 }
