@@ -92,6 +92,10 @@ format-check: setup-lint ## fail where a source is not in the project's format
 tidy: setup-lint ## clang-tidy over the library and the programs
 	@clang-tidy --quiet $(LIB_HEADERS) -- -xc++ $(BASE)
 
+# ---- double-precision references and baselines use Eigen; the library never does
+HOST += -isystem /usr/include/eigen3
+test: setup-reference
+
 .PHONY: clean
 clean:           ## remove everything that was built
 	rm -rf build
