@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 
 #include "host_sim/commands/commands.hpp"
 
@@ -11,6 +12,8 @@ constexpr const char* version = "fairlead-sim 0.1.0";
 constexpr int exit_ok = 0, exit_bad_data = 1, exit_usage = 2;
 
 void add_commands(CLI::App& app) {  // one line each
+    fairlead::sim::add_faults(app);
+    fairlead::sim::add_generate(app);
     fairlead::sim::add_info(app);
 }
 
@@ -29,6 +32,9 @@ int main(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? exit_ok : exit_usage;
+    } catch (const std::invalid_argument& error) {
+        std::fprintf(stderr, "fairlead-sim: %s\n", error.what());
+        return exit_usage;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "fairlead-sim: %s\n", error.what());
         return exit_bad_data;

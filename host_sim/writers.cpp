@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "host_sim/spec.hpp"
+
 namespace fairlead::sim {
 namespace {
 
@@ -156,7 +158,7 @@ std::string to_file(const Recording& recording, const std::string& path) {
     if (extension == ".tum" && !imu) return to_tum(recording.poses);
     if (extension == ".csv")
         return imu ? to_euroc_imu(recording.samples) : to_poses_csv(recording.poses);
-    throw BadData(path + ": " + (imu ? "IMU samples are" : "poses are") + " written as " +
+    throw BadSpec(path + ": " + (imu ? "IMU samples are" : "poses are") + " written as " +
                   (imu ? ".imu or .csv" : ".trk, .tum or .csv"));
 }
 

@@ -21,7 +21,7 @@ std::string to_imu(const Recording& recording);                // samples, truth
 std::string to_trk(const Recording& recording);                // poses
 
 /// Chooses by the extension: .imu .trk .tum .csv (IMU or poses, whichever the recording holds).
-/// Throws BadData where the format cannot hold the recording.
+/// Throws BadSpec where the format cannot hold such a recording.
 std::string to_file(const Recording& recording, const std::string& path);
 
 }  // namespace fairlead::sim

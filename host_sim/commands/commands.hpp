@@ -6,6 +6,8 @@ class App;
 
 namespace fairlead::sim {
 
+void add_faults(CLI::App& app);
+void add_generate(CLI::App& app);
 void add_info(CLI::App& app);
 
 }  // namespace fairlead::sim

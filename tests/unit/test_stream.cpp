@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "host_sim/spec.hpp"
 #include "host_sim/stream.hpp"
 #include "host_sim/writers.hpp"
 
@@ -265,7 +266,7 @@ TEST(Stream, FormatIsChosenByContentAndExtension) {
     EXPECT_EQ(parse_recording(to_file(tracker, "a.csv"), "a").format, Format::poses_csv);
     EXPECT_EQ(parse_recording(to_file(imu, "a.csv"), "a").format, Format::euroc_imu);
     EXPECT_EQ(parse_recording(to_file(imu, "a.imu"), "a").format, Format::imu);
-    EXPECT_THROW(to_file(imu, "a.trk"), BadData);
-    EXPECT_THROW(to_file(tracker, "a.imu"), BadData);
-    EXPECT_THROW(to_file(tracker, "a"), BadData);
+    EXPECT_THROW(to_file(imu, "a.trk"), BadSpec);
+    EXPECT_THROW(to_file(tracker, "a.imu"), BadSpec);
+    EXPECT_THROW(to_file(tracker, "a"), BadSpec);
 }

@@ -1,0 +1,49 @@
+// fairlead-sim generate SPEC --seed N --out FILE: a recording with known truth.
+#include "host_sim/generate.hpp"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "host_sim/commands/commands.hpp"
+#include "host_sim/sensor_model.hpp"
+#include "host_sim/writers.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+struct Options {
+    std::string spec, out, truth;
+    std::uint64_t seed{1};
+};
+
+void run(const Options& options) {
+    const Recording recording = generate(options.spec, options.seed);
+    write_bytes(options.out, to_file(recording, options.out));
+    if (!options.truth.empty()) write_bytes(options.truth, to_poses_csv(recording.truth));
+}
+
+std::string footer() {
+    std::string text = generate_help;
+    text += "\n  models:\n";
+    for (const SensorModel& model : sensor_models())
+        text +=
+            "    " + model.name + std::string(29 - model.name.size(), ' ') + model.summary + "\n";
+    return text;
+}
+
+}  // namespace
+
+void add_generate(CLI::App& app) {
+    auto* command = app.add_subcommand("generate", "Make a recording with known truth");
+    auto options = std::make_shared<Options>();
+    command->add_option("SPEC", options->spec, "Motion, events and sensor model: see below")
+        ->required();
+    command->add_option("--seed", options->seed, "Same seed, same bytes")->capture_default_str();
+    command->add_option("--out", options->out, "Recording to write: .trk .tum .imu .csv")
+        ->required();
+    command->add_option("--truth", options->truth, "Also write the true poses, as pose CSV");
+    command->footer(footer());
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace fairlead::sim
