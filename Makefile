@@ -53,6 +53,13 @@ $(BUILD)/tests/port: $(call objects,$(PORT_TESTS)) $(BUILD)/libport.a $(BUILD)/l
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgpiod -lgtest -lgtest_main -o $@
 
+# ---- the gateway: Modbus, sources, configuration, and the reader for the other side
+GATEWAY_LIBS  := -lmodbus
+GATEWAY_TESTS := $(sort $(wildcard tests/gateway/*.cpp))
+$(BUILD)/tests/gateway: $(call objects,$(GATEWAY_TESTS)) $(BUILD)/libport.a $(BUILD)/libsim.a
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -lgtest -lgtest_main $(GATEWAY_LIBS) -o $@
+
 # ---- every public header compiles alone, strictly, without exceptions and RTTI
 $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
 	@mkdir -p $(@D)
@@ -63,13 +70,13 @@ $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
 help:            ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/^([a-z-]+):.*## /  \1|/' | column -t -s'|'
 
-.PHONY: setup-build setup-demo setup-test setup-clang setup-lint
+.PHONY: setup-build setup-gateway setup-demo setup-test setup-clang setup-lint
 setup-%:
 	@.ci/setup $*
 
 .PHONY: test
-TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port
-test: setup-build setup-test ## build and run all tests that need no other machine (installs what is missing)
+TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port $(BUILD)/tests/gateway
+test: setup-build setup-test setup-gateway ## build and run all tests that need no other machine (installs what is missing)
 	@$(MAKE) BUILD=$(BUILD) build-tests
 	@tests/run $(TEST_PROGRAMS)
 
