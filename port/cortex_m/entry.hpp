@@ -1,0 +1,44 @@
+#pragma once
+// What every core does between its first instructions and main(): clear memory, construct, split
+// the command line. The image is loaded by the emulator or debugger, .data included, so nothing is
+// copied from flash here; a product's start-up code does that.
+#include <cstddef>
+#include <cstdint>
+
+#include "port/cortex_m/semihosting.hpp"
+
+extern "C" {
+extern std::uint32_t link_bss_begin, link_bss_end;
+extern void (*const link_init_begin[])();
+extern void (*const link_init_end[])();
+int image_main(int argc, char** argv) __asm__("main");  // C++ lets nobody call main by name
+}
+
+namespace fairlead::cortex_m {
+
+[[noreturn]] inline void fault() noexcept {
+    semihosting::print("fault: the core took an exception that nobody handles\n");
+    semihosting::exit(99);
+}
+
+inline int split(char* line, char** words, int words_max) noexcept {
+    int count = 0;
+    for (char* at = line; *at != '\0' && count < words_max;) {
+        while (*at == ' ') *at++ = '\0';
+        if (*at == '\0') break;
+        words[count++] = at;
+        while (*at != '\0' && *at != ' ') ++at;
+    }
+    return count;
+}
+
+[[noreturn]] inline void enter() noexcept {
+    for (std::uint32_t* word = &link_bss_begin; word < &link_bss_end; ++word) *word = 0;
+    for (auto init = link_init_begin; init != link_init_end; ++init) (*init)();
+    static char line[512];
+    static char* words[16];
+    const int count = semihosting::command_line(line, sizeof line) ? split(line, words, 15) : 0;
+    semihosting::exit(image_main(count, words));
+}
+
+}  // namespace fairlead::cortex_m

@@ -1,0 +1,110 @@
+/* A plugin for QEMU (TCG plugin API, version 1): counts the guest's instructions between the
+   two marker instructions of port/cortex_m/mark.hpp. Debian ships no header for it, so the few
+   functions used are declared here.
+
+   Arguments: out=FILE  one little-endian u32 a marked call, in the order of execution.
+   A translation block adds its length when it is entered; a marker corrects by its place in the
+   block. Blocks with markers therefore count exactly, as tests/target/calibrate.cpp checks. */
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef uint64_t qemu_plugin_id_t;
+struct qemu_plugin_tb;
+struct qemu_plugin_insn;
+enum qemu_plugin_cb_flags { QEMU_PLUGIN_CB_NO_REGS };
+struct qemu_info {
+    const char* target_name; /* more follows */
+};
+enum qemu_plugin_op { QEMU_PLUGIN_INLINE_ADD_U64 };
+
+extern void qemu_plugin_register_vcpu_tb_trans_cb(qemu_plugin_id_t,
+                                                  void (*)(qemu_plugin_id_t,
+                                                           struct qemu_plugin_tb*));
+extern void qemu_plugin_register_vcpu_tb_exec_inline(struct qemu_plugin_tb*, enum qemu_plugin_op,
+                                                     void*, uint64_t);
+extern void qemu_plugin_register_vcpu_insn_exec_cb(struct qemu_plugin_insn*,
+                                                   void (*)(unsigned, void*),
+                                                   enum qemu_plugin_cb_flags, void*);
+extern void qemu_plugin_register_atexit_cb(qemu_plugin_id_t, void (*)(qemu_plugin_id_t, void*),
+                                           void*);
+extern size_t qemu_plugin_tb_n_insns(const struct qemu_plugin_tb*);
+extern struct qemu_plugin_insn* qemu_plugin_tb_get_insn(const struct qemu_plugin_tb*, size_t);
+extern size_t qemu_plugin_insn_size(const struct qemu_plugin_insn*);
+extern const void* qemu_plugin_insn_data(const struct qemu_plugin_insn*);
+
+__attribute__((visibility("default"))) int qemu_plugin_version = 1;
+
+static uint64_t entered; /* instructions of all blocks entered so far */
+static uint64_t begun;   /* instructions executed up to and with the last begin marker */
+static bool open_call, on_arm;
+static FILE* out;
+
+/* behind = instructions of the marker's block after the marker */
+static void on_begin(unsigned cpu, void* behind) {
+    (void)cpu;
+    begun = entered - (uintptr_t)behind;
+    open_call = true;
+}
+
+static void on_end(unsigned cpu, void* behind) {
+    (void)cpu;
+    if (!open_call) return;
+    open_call = false;
+    const uint64_t between = entered - (uintptr_t)behind - 1 - begun;
+    const uint32_t count = between > UINT32_MAX ? UINT32_MAX : (uint32_t)between;
+    fwrite(&count, sizeof count, 1, out);
+}
+
+enum marker { NO_MARKER, BEGIN, END };
+
+/* Near the end of a page QEMU reports a Thumb instruction together with its successor, so its size
+   says nothing; no 32-bit Thumb instruction begins with these halves. */
+static enum marker marker_of(const struct qemu_plugin_insn* insn) {
+    uint32_t word = 0;
+    if (on_arm) {
+        memcpy(&word, qemu_plugin_insn_data(insn), 2);
+        return word == 0x46d2 ? BEGIN : word == 0x46db ? END : NO_MARKER;
+    }
+    if (qemu_plugin_insn_size(insn) < 4) return NO_MARKER;
+    memcpy(&word, qemu_plugin_insn_data(insn), 4);
+    return word == 0x00102013 ? BEGIN : word == 0x00202013 ? END : NO_MARKER;
+}
+
+static void on_translate(qemu_plugin_id_t id, struct qemu_plugin_tb* tb) {
+    (void)id;
+    const size_t n = qemu_plugin_tb_n_insns(tb);
+    qemu_plugin_register_vcpu_tb_exec_inline(tb, QEMU_PLUGIN_INLINE_ADD_U64, &entered, n);
+    for (size_t i = 0; i < n; ++i) {
+        struct qemu_plugin_insn* insn = qemu_plugin_tb_get_insn(tb, i);
+        const enum marker marker = marker_of(insn);
+        if (marker == NO_MARKER) continue;
+        qemu_plugin_register_vcpu_insn_exec_cb(insn, marker == BEGIN ? on_begin : on_end,
+                                               QEMU_PLUGIN_CB_NO_REGS, (void*)(n - 1 - i));
+    }
+}
+
+static void on_exit(qemu_plugin_id_t id, void* unused) {
+    (void)id;
+    (void)unused;
+    fclose(out);
+}
+
+__attribute__((visibility("default"))) int qemu_plugin_install(qemu_plugin_id_t id,
+                                                               const struct qemu_info* info,
+                                                               int argc, char** argv) {
+    on_arm = strncmp(info->target_name, "arm", 3) == 0;
+    for (int i = 0; i < argc; ++i) {
+        if (strncmp(argv[i], "out=", 4) == 0) out = fopen(argv[i] + 4, "wb");
+    }
+    if (out == NULL) {
+        fprintf(stderr, "count: out=FILE is missing or cannot be written\n");
+        return 1;
+    }
+    qemu_plugin_register_vcpu_tb_trans_cb(id, on_translate);
+    qemu_plugin_register_atexit_cb(id, on_exit, NULL);
+    return 0;
+}

@@ -1,0 +1,72 @@
+# Builds and measures every stage on every machine of port/cortex_m/cores. Used by the Makefile's target-* and bounds.
+#   make -f tests/target/target.mk CORES="m4f gcc-O2" SUBJECTS="quat" measure
+BUILD    ?= build/target
+SUBJECTS ?= $(shell sed 's/\#.*//' tests/target/stages)
+# the first machine is the one that all others are compared with
+CORES    ?= $(shell sed 's/\#.*//' port/cortex_m/cores | awk 'NF {print $$1}')
+STREAMS  ?= tests/target/streams/adverse
+
+STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Werror
+COMMON := -std=c++17 -ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti $(STRICT) -Ilib/include -I. $(EXTRA)
+DEVICE := -O2 -g -fno-threadsafe-statics -fno-use-cxa-atexit -ffunction-sections -fdata-sections
+PICOLIBC := /usr/lib/picolibc/riscv64-unknown-elf
+# libstdc++ for RISC-V is not in Debian: its headers alone are, with the Arm compiler
+RISCV  := -isystem $(PICOLIBC)/include -nostdinc++ $(addprefix -isystem ,$(firstword $(wildcard /usr/include/newlib/c++/*)) $(firstword $(wildcard /usr/include/newlib/c++/*/arm-none-eabi)))
+
+export PYTHONDONTWRITEBYTECODE := 1
+.DEFAULT_GOAL := measure
+.SECONDARY:
+.DELETE_ON_ERROR:
+
+# ---- one set of rules a machine: $(1) name, $(2) compiler, $(3) emulated machine, $(4) ROM, $(5) RAM, $(6) start-up, $(7) flags
+define machine
+objects_$(1) := $(if $(filter -,$(3)),platform_host,platform_core) stream
+$(BUILD)/$(1)/%.subject.o: tests/target/subjects/%.hpp tests/target/subject.cpp
+	@mkdir -p $$(@D)
+	$(2) $(7) $$(FLAGS_$(1)) -MMD -MP -DFAIRLEAD_SUBJECT='"$$<"' -c tests/target/subject.cpp -o $$@
+$(BUILD)/$(1)/%.o: tests/target/%.cpp
+	@mkdir -p $$(@D)
+	$(2) $(7) $$(FLAGS_$(1)) -MMD -MP -c $$< -o $$@
+$(BUILD)/$(1)/%.o: port/cortex_m/%.cpp
+	@mkdir -p $$(@D)
+	$(2) $(7) $$(FLAGS_$(1)) -MMD -MP -c $$< -o $$@
+ifeq ($(3),-)
+FLAGS_$(1) := $(COMMON) -g
+$(BUILD)/$(1)/%.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,run stream platform_host,$(BUILD)/$(1)/$(o).o)
+	$(2) $$^ -o $$@
+$(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(STREAMS) tests/target/measure.py
+	tests/target/measure.py --build $(BUILD) --streams $(STREAMS) $(1) $$*
+else
+FLAGS_$(1) := $(COMMON) $(DEVICE) $(if $(filter riscv%,$(2)),$(RISCV))
+LIBS_$(1) := $(if $(filter riscv%,$(2)),-L$(PICOLIBC)/lib/$(shell $(2) $(7) -print-multi-directory 2>/dev/null) -lc -lm -lgcc)
+LINK_$(1) := $(if $(filter arm%,$(2)),-nostartfiles --specs=nano.specs,-nostdlib) -Wl,--gc-sections,-T,port/cortex_m/memory.ld \
+	-Wl,--defsym=ROM=$(word 1,$(subst :, ,$(4))),--defsym=ROM_SIZE=$(word 2,$(subst :, ,$(4))) \
+	-Wl,--defsym=RAM=$(word 1,$(subst :, ,$(5))),--defsym=RAM_SIZE=$(word 2,$(subst :, ,$(5)))
+$(BUILD)/$(1)/%.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,run stream platform_core $(6),$(BUILD)/$(1)/$(o).o) port/cortex_m/memory.ld
+	$(2) $(7) $$(LINK_$(1)) -Wl,-Map=$$@.map $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
+$(BUILD)/$(1)/%.bare.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,bare $(6),$(BUILD)/$(1)/$(o).o) port/cortex_m/memory.ld
+	$(2) $(7) $$(LINK_$(1)) -Wl,-Map=$$@.map $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
+$(BUILD)/$(1)/calibrate.elf: $(foreach o,calibrate $(6),$(BUILD)/$(1)/$(o).o) port/cortex_m/memory.ld
+	$(2) $(7) $$(LINK_$(1)) $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
+$(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(BUILD)/$(1)/%.bare.elf $(BUILD)/$(1)/none.bare.elf $(BUILD)/count.so $(STREAMS) \
+		tests/target/measure.py tests/target/elf.py
+	tests/target/measure.py --build $(BUILD) --streams $(STREAMS) $(1) $$*
+endif
+endef
+row = $(call machine,$(word 1,$(1)),$(word 2,$(1)),$(word 3,$(1)),$(word 4,$(1)),$(word 5,$(1)),$(word 6,$(1)),$(wordlist 7,99,$(1)))
+$(foreach core,$(CORES),$(eval $(call row,$(shell grep -E '^$(core) ' port/cortex_m/cores))))
+
+$(BUILD)/count.so: tests/target/count.c
+	@mkdir -p $(@D)
+	$(CC) -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC $< -o $@
+
+-include $(wildcard $(BUILD)/*/*.d)
+
+EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(core)" {print $$3}' port/cortex_m/cores)),$(core)))
+.PHONY: images measure calibrate same-bits
+calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
+	tests/target/calibrate.py $(BUILD) $(EMULATED)
+same-bits: measure
+	tests/target/compare.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES)
+images: $(foreach core,$(CORES),$(SUBJECTS:%=$(BUILD)/$(core)/%.elf))
+measure: $(foreach core,$(CORES),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
