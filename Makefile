@@ -102,6 +102,7 @@ tidy: setup-lint ## clang-tidy over the library and the programs
 # ---- double-precision references and baselines use Eigen; the library never does
 HOST += -isystem /usr/include/eigen3
 test: setup-reference
+
 # ---- Cortex-M and RISC-V under an emulator: rules in tests/target/target.mk, guide in docs/target.md
 TARGET := $(MAKE) -f tests/target/target.mk --output-sync=target
 .PHONY: target-test
