@@ -1,0 +1,185 @@
+#pragma once
+// Strain smoothing of poses: squared deviation plus weighted strain, minimised [Hsieh et al. 1998].
+// The weight comes from a cut-off in Hz (smooth/strain_weight.hpp); positions are exact
+// (smooth/strain_position.hpp), orientations a few Gauss-Newton steps
+// (smooth/strain_orientation.hpp).
+//
+// Here, a stream: each record leaves Lag records late, smoothed with all that is known then. The
+// past is kept exactly, as the cost it lays on the present; only what later records would still
+// change is lost. strain_lag() says how large Lag must be for that to be below 2e-6 m and 1e-5 rad.
+// A whole recording at once: smooth/strain_buffer.hpp.
+//
+// The samples of a channel are the records in which it is valid; up to Lag records without one
+// are bridged (time steps may be uneven), gap flags start a segment anew. Scaling the positions
+// scales the result, moving and turning the frame moves and turns it.
+//
+// In:   records in order of time, unit q_wb, neighbours closer than pi.
+// Cost: per push, L times (20 flops for a position, 500 flops, two logs and an exp for an
+//       orientation and step). RAM: about 350 bytes x (L + 1).
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "fairlead/base/ring.hpp"
+#include "fairlead/base/types.hpp"
+#include "fairlead/smooth/strain_orientation.hpp"
+#include "fairlead/smooth/strain_position.hpp"
+#include "fairlead/smooth/strain_weight.hpp"
+
+namespace fairlead {
+
+namespace detail {
+
+/// The positions of the records inside the lag.
+template <std::size_t Lag>
+class StrainPositionTrack {
+    using Position = StrainPosition<float>;
+
+  public:
+    explicit StrainPositionTrack(const StrainWeight& weight) noexcept : weight_{weight} {}
+
+    void gap() noexcept { anew_ = true; }
+    void push(const Vec3& y, std::int64_t t_ns) noexcept {
+        if (anew_ || nodes_.empty()) {
+            nodes_.push(Position::start(y));
+        } else {
+            const float step = nominal_steps(newest_ns_, t_ns, weight_.step_s());
+            nodes_.push(Position::next(nodes_[nodes_.size() - 1], y, step, weight_.lambda()));
+        }
+        anew_ = false;
+        newest_ns_ = t_ns;
+    }
+    /// The oldest sample, smoothed with what is known now.
+    Vec3 take() noexcept {
+        std::size_t i = segment_end(nodes_, 0, nodes_.size()) - 1;
+        auto state = Position::last(nodes_[i]);
+        for (; i > 0; --i) state = Position::back(nodes_[i - 1], nodes_[i], state);
+        const Vec3 p = nodes_.oldest().y + state.u;
+        if (nodes_.size() == 1) anew_ = true;
+        nodes_.pop();
+        return p;
+    }
+    void clear() noexcept {
+        nodes_.clear();
+        anew_ = true;
+    }
+
+  private:
+    Ring<Position::Node, Lag + 1> nodes_{};
+    StrainWeight weight_;
+    std::int64_t newest_ns_{0};
+    bool anew_{true};
+};
+
+/// The orientations of the records inside the lag.
+template <std::size_t Lag>
+class StrainOrientationTrack {
+    using Orientation = StrainOrientation<float>;
+
+  public:
+    explicit StrainOrientationTrack(const StrainWeight& weight, std::size_t steps) noexcept
+        : weight_{weight}, steps_{steps} {}
+
+    void gap() noexcept { anew_ = true; }
+    void push(const Quat& q, std::int64_t t_ns) noexcept {
+        if (anew_ || nodes_.empty()) {
+            nodes_.push(Orientation::node(q, nullptr, 1));
+        } else {
+            const float step = nominal_steps(newest_ns_, t_ns, weight_.step_s());
+            nodes_.push(Orientation::node(q, &nodes_[nodes_.size() - 1], step));
+        }
+        anew_ = false;
+        newest_ns_ = t_ns;
+    }
+    /// One round of steps over all that is known. Each push and each flush does one, so that the
+    /// newest sample, which came as it was measured, settles while the older ones leave.
+    void solve() noexcept {
+        for (std::size_t i = 0; i < nodes_.size();) {
+            const std::size_t end = segment_end(nodes_, i, nodes_.size());
+            const auto at = [ this, i ](std::size_t j) -> auto& { return nodes_[i + j]; };
+            Orientation::solve(at, end - i, weight_.lambda(), steps_,
+                               i == 0 ? prior_ : typename Orientation::Prior{});
+            i = end;
+        }
+    }
+    Quat take() noexcept {
+        const auto leaving = nodes_.oldest();
+        nodes_.pop();
+        if (nodes_.empty()) anew_ = true;
+        if (nodes_.empty() || nodes_.oldest().first) {
+            prior_ = {};
+        } else {
+            prior_ = Orientation::hand_over(leaving, nodes_.oldest(), weight_.lambda(), prior_);
+        }
+        return same_side(leaving.raw, leaving.now);
+    }
+    void clear() noexcept {
+        nodes_.clear();
+        prior_ = {};
+        anew_ = true;
+    }
+
+  private:
+    Ring<Orientation::Node, Lag + 1> nodes_{};
+    Orientation::Prior prior_{};
+    StrainWeight weight_;
+    std::size_t steps_;
+    std::int64_t newest_ns_{0};
+    bool anew_{true};
+};
+
+}  // namespace detail
+
+/// Smooths a stream, Lag records late.
+template <std::size_t Lag>
+class StrainSmoother {
+  public:
+    static constexpr std::size_t latency = Lag;
+
+    /// params.steps: Gauss-Newton steps a push; one is enough where Lag is strain_lag().
+    explicit StrainSmoother(const StrainParams& params) noexcept
+        : position_{params.position}, orientation_{params.orientation, params.steps} {}
+
+    std::optional<Pose> push(const Pose& pose) noexcept {
+        if (pose.flags & (flag::gap_before | flag::position_gap)) position_.gap();
+        if (pose.flags & (flag::gap_before | flag::orientation_gap)) orientation_.gap();
+        if (pose.flags & flag::position_valid) position_.push(pose.p_w_m, pose.t_ns);
+        if (pose.flags & flag::orientation_valid) orientation_.push(pose.q_wb, pose.t_ns);
+        orientation_.solve();
+        records_.push(pose);
+        if (records_.size() <= Lag) return std::nullopt;
+        return take();
+    }
+
+    /// The next of the last records; empty when there is none: the smoother is as new then.
+    std::optional<Pose> flush() noexcept {
+        if (records_.empty()) {
+            reset();
+            return std::nullopt;
+        }
+        orientation_.solve();
+        return take();
+    }
+
+    void reset() noexcept {
+        records_.clear();
+        position_.clear();
+        orientation_.clear();
+    }
+
+  private:
+    Pose take() noexcept {
+        Pose record = records_.oldest();
+        records_.pop();
+        if (record.flags & flag::position_valid) record.p_w_m = position_.take();
+        if (record.flags & flag::orientation_valid) record.q_wb = orientation_.take();
+        return record;
+    }
+
+    Ring<Pose, Lag + 1> records_{};
+    detail::StrainPositionTrack<Lag> position_;
+    detail::StrainOrientationTrack<Lag> orientation_;
+};
+
+}  // namespace fairlead
