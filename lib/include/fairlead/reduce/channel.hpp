@@ -1,7 +1,7 @@
 #pragma once
 // The two kinds of signal that are reduced: vectors (tolerance per component) and orientations
-// (tolerance on the rotation angle). A channel knows its scale, its curve at both ends of the wire and
-// the exact test that every accepted sample must pass.
+// (tolerance on the rotation angle). A channel knows its scale, its curve at both ends of the wire
+// and the exact test that every accepted sample must pass.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -36,7 +36,8 @@ struct VectorChannel {
 
     static Scale scale(const Tolerance& tol) noexcept {
         Scale s;
-        for (std::size_t d = 0; d < D; ++d) s.exponent[d] = static_cast<std::int8_t>(floor_log2(tol[d]));
+        for (std::size_t d = 0; d < D; ++d)
+            s.exponent[d] = static_cast<std::int8_t>(floor_log2(tol[d]));
         return s;
     }
 
@@ -68,10 +69,11 @@ struct VectorChannel {
 
     /// Tests samples against a curve; made once from the tolerance.
     struct Judge {
-        static constexpr float square_bound = static_cast<float>(D);  // |e|^2 over the worst component's
+        static constexpr float square_bound =
+            static_cast<float>(D);  // |e|^2 over the worst component's
 
-        std::array<float, D> limit{};       // signal units, a rounding margin below the tolerance
-        std::array<float, D> per_limit{};   // 1 / tolerance in curve units
+        std::array<float, D> limit{};      // signal units, a rounding margin below the tolerance
+        std::array<float, D> per_limit{};  // 1 / tolerance in curve units
 
         Judge() = default;
         Judge(const Tolerance& tol, const Scale& s) noexcept {
@@ -117,7 +119,9 @@ struct OrientationChannel {
         float unit() const noexcept { return power_of_two(exponent); }
     };
 
-    static Scale scale(Tolerance tol) noexcept { return {static_cast<std::int8_t>(floor_log2(tol))}; }
+    static Scale scale(Tolerance tol) noexcept {
+        return {static_cast<std::int8_t>(floor_log2(tol))};
+    }
 
     struct Curve {
         Span<3, 4> span{};
@@ -139,7 +143,8 @@ struct OrientationChannel {
             span = carried(span, ticks, tick_ns);
             const std::array<float, 3> y = Polynomial<3, 4>{span}.c[0];
             const float unit = s.unit();
-            if ((y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) * unit * unit > chart_radius * chart_radius) {
+            if ((y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) * unit * unit >
+                chart_radius * chart_radius) {
                 const Quat from = anchor_q;
                 set(Anchor::nearest(value(y, s)));
                 span = in_chart(span, unit, from, anchor_q);
@@ -152,7 +157,8 @@ struct OrientationChannel {
             return anchor_q * chart_point({units[0] * unit, units[1] * unit, units[2] * unit});
         }
 
-        std::array<float, 3> coordinates(const Quat& q, const Scale& s, Witness& witness) const noexcept {
+        std::array<float, 3> coordinates(const Quat& q, const Scale& s,
+                                         Witness& witness) const noexcept {
             const auto y = to_chart(anchor_q, q);
             witness.w = approx::abs((conj(anchor_q) * q).w);
             const float per_unit = power_of_two(-s.exponent);

@@ -3,8 +3,9 @@
 //
 // The chart coordinate of q is twice the vector part of conj(anchor) * q: near the anchor it is the
 // rotation vector, and going back needs one square root. Rotating the world leaves it as it is and
-// rotating the body turns it, so that reduction does not depend on the choice of frames. At a knot more
-// than about a radian away the anchor moves to the curve itself: a change of coordinates, not of the curve.
+// rotating the body turns it, so that reduction does not depend on the choice of frames. At a knot
+// more than about a radian away the anchor moves to the curve itself: a change of coordinates, not
+// of the curve.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -58,11 +59,12 @@ inline Quat chart_point(const std::array<float, 3>& y) noexcept {
     return {approx::sqrt(rest > 0 ? rest : 0), x1, x2, x3};
 }
 
-/// An orientation curve leaves its chart at a knot when |coordinate| exceeds this (rotation of 58 deg).
+/// An orientation curve leaves its chart at a knot when |coordinate| exceeds this (rotation of 58
+/// deg).
 inline constexpr float chart_radius = 0.97f;
 
-/// The state of the curve in the chart of another anchor: value and derivatives up to the third of the
-/// same motion. `unit` is the length of a unit of the span.
+/// The state of the curve in the chart of another anchor: value and derivatives up to the third of
+/// the same motion. `unit` is the length of a unit of the span.
 inline Span<3, 4> in_chart(const Span<3, 4>& span, float unit, const Quat& from,
                            const Quat& to) noexcept {
     const Polynomial<3, 4> p{span};
@@ -78,8 +80,9 @@ inline Span<3, 4> in_chart(const Span<3, 4>& span, float unit, const Quat& from,
     const float w2 = -(dot(v1, v1) + 2 * dot(v0, v2) + w1 * w1) / (2 * w0);
     const float w3 = -(dot(v0, v3) + dot(v1, v2) + w1 * w2) / w0;
     const Quat turn = conj(to) * from;
-    const std::array<Quat, 4> jet{turn * Quat{w0, v0.x, v0.y, v0.z}, turn * Quat{w1, v1.x, v1.y, v1.z},
-                                  turn * Quat{w2, v2.x, v2.y, v2.z}, turn * Quat{w3, v3.x, v3.y, v3.z}};
+    const std::array<Quat, 4> jet{
+        turn * Quat{w0, v0.x, v0.y, v0.z}, turn * Quat{w1, v1.x, v1.y, v1.z},
+        turn * Quat{w2, v2.x, v2.y, v2.z}, turn * Quat{w3, v3.x, v3.y, v3.z}};
     const float side = (jet[0].w < 0 ? -2.0f : 2.0f) / unit;
     Span<3, 4> out;
     out.t0_ns = span.t0_ns;

@@ -2,8 +2,8 @@
 // Least squares of the window on a spline that continues the frozen polynomial, driven towards the
 // largest errors.
 //
-// Beyond the frozen polynomial P the curve is P + sum of jumps at the planned knots. As unknowns the
-// jumps are hopelessly conditioned; the same functions are spanned by the B-splines whose first
+// Beyond the frozen polynomial P the curve is P + sum of jumps at the planned knots. As unknowns
+// the jumps are hopelessly conditioned; the same functions are spanned by the B-splines whose first
 // Order - 1 coefficients are zero (they leave P as it is at the first knot), which give a banded,
 // well-conditioned system. Where the plain fit leaves the tolerance, Lawson's reweighting
 // [C. L. Lawson 1961: weights times error, again] moves it towards the smallest largest error.
@@ -28,7 +28,7 @@ struct Plan {
     std::array<std::array<float, D>, Order> start{};    // free start: coefficients at the start
     float worst{0};                                     // largest error, 1 = tolerance
     float objective{0};                                 // sum of squared errors of the plain fit
-    std::size_t covers{0};                              // leading samples of the window within tolerance
+    std::size_t covers{0};  // leading samples of the window within tolerance
 
     void insert(std::int32_t at) noexcept {
         std::size_t i = size;
@@ -45,8 +45,8 @@ struct Plan {
     }
 };
 
-/// Values that the signal may take after the window: weak pseudo-samples that keep a plan from running
-/// away beyond its data.
+/// Values that the signal may take after the window: weak pseudo-samples that keep a plan from
+/// running away beyond its data.
 template <class Channel, std::size_t Count>
 struct Future {
     std::size_t size{0};
@@ -64,12 +64,12 @@ class Fit {
     using KnotPlan = Plan<Channel, MaxKnots>;
     using Ahead = Future<Channel, Horizons>;
 
-    /// Fits plan.knot to the first `count` samples; fills everything else of the plan. `frozen` is the
-    /// polynomial that the residuals r refer to; a free fit may leave it from u = 0 on.
+    /// Fits plan.knot to the first `count` samples; fills everything else of the plan. `frozen` is
+    /// the polynomial that the residuals r refer to; a free fit may leave it from u = 0 on.
     /// @return whether every sample is within `limit` times the tolerance.
     bool operator()(const Samples& samples, std::size_t count, const Ahead& ahead,
-                    const Polynomial<D, Order>& frozen, const typename Channel::Judge& judge, bool free,
-                    std::size_t passes, float limit, KnotPlan& plan) noexcept {
+                    const Polynomial<D, Order>& frozen, const typename Channel::Judge& judge,
+                    bool free, std::size_t passes, float limit, KnotPlan& plan) noexcept {
         fixed_ = free ? 0 : Order - 1;
         if (!free && plan.size == 0) {
             check(samples, count, frozen, judge, limit, plan);
@@ -88,7 +88,8 @@ class Fit {
             best = plan.worst < best ? plan.worst : best;
             if (pass >= passes || plan.worst > 4) break;
             // the weighted mean square is a lower bound of the squared minimax error
-            if (pass >= 2 && weighted_square(count) > Channel::Judge::square_bound * limit * limit) break;
+            if (pass >= 2 && weighted_square(count) > Channel::Judge::square_bound * limit * limit)
+                break;
             if (pass >= 3 && best > 1 + 3.0f / static_cast<float>(pass)) break;
             reweight(count, plan.worst);
             future *= 0.3f;
@@ -103,7 +104,8 @@ class Fit {
 
     void lay_knots(const Samples& samples, std::size_t count, const Ahead& ahead, bool free,
                    const KnotPlan& plan) noexcept {
-        const std::size_t first = free ? 0 : 1;  // the first knot is the boundary of a continued curve
+        const std::size_t first =
+            free ? 0 : 1;  // the first knot is the boundary of a continued curve
         interior_ = plan.size - first;
         const float begin = free ? 0.0f : static_cast<float>(plan.knot[0]);
         const float last = ahead.size ? ahead.u[ahead.size - 1] : samples.u[count - 1];
@@ -146,7 +148,8 @@ class Fit {
         }
     }
 
-    void solve(const Samples& samples, std::size_t count, const Ahead& ahead, float future) noexcept {
+    void solve(const Samples& samples, std::size_t count, const Ahead& ahead,
+               float future) noexcept {
         const std::size_t m = unknowns_;
         for (std::size_t i = 0; i < m; ++i) a_[i].fill(0);
         for (std::size_t i = 0; i < m + fixed_; ++i) c_[i].fill(0);
@@ -245,15 +248,16 @@ class Fit {
         }
     }
 
-    float misfit(const Ahead& ahead, const Polynomial<D, Order>& frozen, bool free, const KnotPlan& plan,
-                 const typename Channel::Judge& judge) const noexcept {
+    float misfit(const Ahead& ahead, const Polynomial<D, Order>& frozen, bool free,
+                 const KnotPlan& plan, const typename Channel::Judge& judge) const noexcept {
         float sum = 0;
         for (std::size_t i = 0; i < ahead.size; ++i) {
             Vector e = ahead.r[i];
             if (free) {
                 float power = 1;
                 for (std::size_t m = 0; m < Order; ++m, power *= ahead.u[i])
-                    for (std::size_t d = 0; d < D; ++d) e[d] -= (plan.start[m][d] - frozen.c[m][d]) * power;
+                    for (std::size_t d = 0; d < D; ++d)
+                        e[d] -= (plan.start[m][d] - frozen.c[m][d]) * power;
             }
             for (std::size_t q = 0; q < plan.size; ++q) {
                 const float u = ahead.u[i] - static_cast<float>(plan.knot[q]);

@@ -1,12 +1,13 @@
 #pragma once
 // Streaming knot removal with a hard guarantee.
 //
-// Samples wait in a window of at most N records. What is frozen of the curve goes on as long as it fits;
-// a planned knot becomes final only when the sample that is due lies beyond it. Before a sample counts as
-// covered it is tested against the very polynomial that the decoder will evaluate, in the very arithmetic;
-// when nothing else serves, a knot of full multiplicity starts the curve anew at the sample that is due.
-// So the tolerance never depends on the search, and the search may stop whenever its work is used up.
-// Bounds: memory is sizeof; work per record is `slice` fits plus one advance; delay at most delay_max.
+// Samples wait in a window of at most N records. What is frozen of the curve goes on as long as it
+// fits; a planned knot becomes final only when the sample that is due lies beyond it. Before a
+// sample counts as covered it is tested against the very polynomial that the decoder will evaluate,
+// in the very arithmetic; when nothing else serves, a knot of full multiplicity starts the curve
+// anew at the sample that is due. So the tolerance never depends on the search, and the search may
+// stop whenever its work is used up. Bounds: memory is sizeof; work per record is `slice` fits plus
+// one advance; delay at most delay_max.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -28,14 +29,14 @@ template <class Channel, std::size_t MaxKnots>
 struct Batch {
     static constexpr std::size_t D = Channel::dimension;
     struct Knot {
-        std::uint32_t ticks{};                 // after the previous knot
-        std::uint8_t shift{};                  // the jump is a multiple of 2^shift
-        std::array<std::int32_t, D> jump{};    // in last places of the highest coefficient, >> shift
+        std::uint32_t ticks{};               // after the previous knot
+        std::uint8_t shift{};                // the jump is a multiple of 2^shift
+        std::array<std::int32_t, D> jump{};  // in last places of the highest coefficient, >> shift
     };
 
-    bool begins{false};      // a curve starts: `start` is its first span
-    bool breaks{false};      // ... in the middle of a motion: a knot of full multiplicity
-    std::uint8_t coarse{};   // log2 of the ticks that the start's rounding was made for
+    bool begins{false};     // a curve starts: `start` is its first span
+    bool breaks{false};     // ... in the middle of a motion: a knot of full multiplicity
+    std::uint8_t coarse{};  // log2 of the ticks that the start's rounding was made for
     typename Channel::Curve start{};
     std::size_t size{0};
     std::array<Knot, MaxKnots> knot{};
@@ -43,7 +44,8 @@ struct Batch {
     std::uint32_t cover_ticks{0};  // the curve is final up to here, after the last knot
 };
 
-/// Places by which the start's coefficient of power m is rounded when its first interval is 2^coarse ticks.
+/// Places by which the start's coefficient of power m is rounded when its first interval is
+/// 2^coarse ticks.
 constexpr int start_shift(std::size_t m, int coarse) noexcept {
     const int places = fraction_bits(m) - 4 - static_cast<int>(m) * coarse;
     return places > 0 ? places : 0;
@@ -105,13 +107,15 @@ class Reducer {
     }
 
     /// Must advance() be called before the next record? True while an ended curve waits, too.
-    bool due() const noexcept { return samples_.size > 0 && (age() >= params_.delay_max || ended()); }
+    bool due() const noexcept {
+        return samples_.size > 0 && (age() >= params_.delay_max || ended());
+    }
     bool empty() const noexcept { return samples_.size == 0; }
     /// Records that the oldest uncovered sample has waited.
     std::uint32_t age() const noexcept { return samples_.size ? records_ - samples_.record[0] : 0; }
 
-    /// Makes the curve final until the oldest uncovered sample is younger than `goal` records, as far
-    /// as the plan goes. Covers at least one sample where there is one.
+    /// Makes the curve final until the oldest uncovered sample is younger than `goal` records, as
+    /// far as the plan goes. Covers at least one sample where there is one.
     const Frozen& advance(std::uint32_t goal) noexcept {
         out_ = {};
         for (std::size_t i = 0; i < 2 * batch_knots + 2; ++i) {
@@ -156,7 +160,12 @@ class Reducer {
     bool ended() const noexcept { return count() < samples_.size; }
 
     typename Knots::View view() const noexcept {
-        return {samples_, count(), ahead_, frozen_, judge_, !active_,
+        return {samples_,
+                count(),
+                ahead_,
+                frozen_,
+                judge_,
+                !active_,
                 static_cast<std::int32_t>(cover_ticks_)};
     }
 
@@ -234,7 +243,8 @@ class Reducer {
         while (k < n && (plan.size == 0 || samples_.u[k] < static_cast<float>(plan.knot[0])) &&
                accepted(k)) {
             ++k;
-            // with knots ahead only what is needed is made final: a later start of the next knot is open
+            // with knots ahead only what is needed is made final: a later start of the next knot is
+            // open
             if (plan.size > 0 && records_ - samples_.record[k - 1] < goal) break;
         }
         if (k == 0) return false;
@@ -255,7 +265,8 @@ class Reducer {
         const auto& plan = search_.plan();
         const std::int32_t ticks = plan.knot[0];
         const std::array<float, D> jump = plan.jump[0];
-        const float next = plan.size > 1 ? static_cast<float>(plan.knot[1]) : samples_.u[count() - 1];
+        const float next =
+            plan.size > 1 ? static_cast<float>(plan.knot[1]) : samples_.u[count() - 1];
         const float length = next - static_cast<float>(ticks);
         int shift = fraction_bits(Order - 1) - 3 -
                     static_cast<int>(Order - 1) * (length > 1 ? floor_log2(length) : 0);

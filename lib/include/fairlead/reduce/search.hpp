@@ -1,10 +1,10 @@
 #pragma once
 // The search for few knots: a resumable state machine, one fit per step.
 //
-// A plan covers the whole look-ahead. While new samples fit it nothing happens; when one does not, the
-// last knots are moved, else a knot is inserted; every so often a knot is dropped on trial. The plan is
-// advice: what is emitted is checked on its own (reduce/reducer.hpp), so that stopping at any step is safe
-// and more steps per sample only mean fewer knots.
+// A plan covers the whole look-ahead. While new samples fit it nothing happens; when one does not,
+// the last knots are moved, else a knot is inserted; every so often a knot is dropped on trial. The
+// plan is advice: what is emitted is checked on its own (reduce/reducer.hpp), so that stopping at
+// any step is safe and more steps per sample only mean fewer knots.
 #include <cstddef>
 #include <cstdint>
 
@@ -68,7 +68,8 @@ class Search {
         plan_.covers = 0;
         for (; plan_.covers < v.count; ++plan_.covers) {
             const std::size_t k = plan_.covers;
-            const float e = v.judge.error(value(v, v.samples.u[k]), v.samples.x[k], v.samples.witness[k]);
+            const float e =
+                v.judge.error(value(v, v.samples.u[k]), v.samples.x[k], v.samples.witness[k]);
             if (!(e <= limit)) return false;
         }
         return true;
@@ -129,12 +130,14 @@ class Search {
         return p(u - origin);
     }
 
-    /// How far the plan holds, and how far the next fits look: a little beyond. A plan that has fallen
-    /// behind the window (after a break) recovers piece by piece.
+    /// How far the plan holds, and how far the next fits look: a little beyond. A plan that has
+    /// fallen behind the window (after a break) recovers piece by piece.
     void catch_up(const View& v) noexcept {
-        for (std::size_t i = 0; i < 2 * ahead_step && plan_.covers > 0 && plan_.covers < v.count; ++i) {
+        for (std::size_t i = 0; i < 2 * ahead_step && plan_.covers > 0 && plan_.covers < v.count;
+             ++i) {
             const std::size_t k = plan_.covers;
-            const float e = v.judge.error(value(v, v.samples.u[k]), v.samples.x[k], v.samples.witness[k]);
+            const float e =
+                v.judge.error(value(v, v.samples.u[k]), v.samples.x[k], v.samples.witness[k]);
             if (!(e <= limit)) break;
             ++plan_.covers;
         }
@@ -191,8 +194,8 @@ class Search {
     }
 
     // ---- coordinate search: knots one at a time, by shrinking steps
-    void start_moves(const KnotPlan& from, std::size_t first, std::size_t rounds, std::size_t budget,
-                     Goal goal) noexcept {
+    void start_moves(const KnotPlan& from, std::size_t first, std::size_t rounds,
+                     std::size_t budget, Goal goal) noexcept {
         current_ = from;
         first_ = first;
         rounds_ = rounds;
@@ -215,7 +218,8 @@ class Search {
             trial_ = current_;
             trial_.knot[knot_] += forward_ ? by : -by;
             if (!valid(v, trial_)) continue;
-            if (fit(v, current_.worst < 1.5f ? hard_passes : soft_passes, trial_)) return moves_succeeded();
+            if (fit(v, current_.worst < 1.5f ? hard_passes : soft_passes, trial_))
+                return moves_succeeded();
             if (trial_.worst < current_.worst - 1e-4f) {
                 current_ = trial_;
                 improved_ = true;
@@ -365,7 +369,8 @@ class Search {
     std::array<float, MaxKnots> score_{};
     Stage stage_{Stage::idle};
     Goal goal_{Goal::repair};
-    std::size_t first_{0}, rounds_{0}, budget_{0}, scale_{0}, knot_{0}, cell_{0}, tried_{0}, rest_drops_{0};
+    std::size_t first_{0}, rounds_{0}, budget_{0}, scale_{0}, knot_{0}, cell_{0}, tried_{0},
+        rest_drops_{0};
     std::size_t stuck_at_{0};
     std::size_t horizon_{0}, reach_{ahead_step};
     std::uint32_t age_{0};

@@ -1,11 +1,12 @@
 #pragma once
 // One knot interval's worth of a spline, and the arithmetic that both ends of the wire share.
 //
-// A curve is a chain of polynomials. At a simple knot value and all derivatives but the highest carry
-// over, so that a new span needs one time and one vector: the jump of the highest derivative. Its
-// coefficients are kept in fixed point (unit: a power of two near the tolerance, time in ticks), so that
-// the state of a curve is a handful of exact integers that a restart point can carry and a late joiner
-// continues bit for bit. Carrying the state over a knot rounds to half a last place: 2^-13 of a unit.
+// A curve is a chain of polynomials. At a simple knot value and all derivatives but the highest
+// carry over, so that a new span needs one time and one vector: the jump of the highest derivative.
+// Its coefficients are kept in fixed point (unit: a power of two near the tolerance, time in
+// ticks), so that the state of a curve is a handful of exact integers that a restart point can
+// carry and a late joiner continues bit for bit. Carrying the state over a knot rounds to half a
+// last place: 2^-13 of a unit.
 #include <array>
 #include <cstddef>
 #include <cstdint>

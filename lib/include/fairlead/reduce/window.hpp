@@ -1,5 +1,6 @@
 #pragma once
-// The samples that the emitted curve does not cover yet, in the coordinates of the last frozen span.
+// The samples that the emitted curve does not cover yet, in the coordinates of the last frozen
+// span.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -52,8 +53,9 @@ struct Window {
     }
 
     /// Expresses sample i in the coordinates of a curve and its last frozen polynomial.
-    void express(std::size_t i, const typename Channel::Curve& curve, const Polynomial<D, Order>& frozen,
-                 const typename Channel::Scale& scale, std::uint32_t tick_ns) noexcept {
+    void express(std::size_t i, const typename Channel::Curve& curve,
+                 const Polynomial<D, Order>& frozen, const typename Channel::Scale& scale,
+                 std::uint32_t tick_ns) noexcept {
         u[i] = ticks_between(curve.span.t0_ns, t_ns[i], tick_ns);
         x[i] = curve.coordinates(value[i], scale, witness[i]);
         const Vector y = frozen(u[i]);

@@ -1,6 +1,6 @@
 #pragma once
-// Bit packing, and numbers in few bits. Writer and reader have the same members, so that a layout is
-// written down once (wire/layout.hpp) and serves both directions.
+// Bit packing, and numbers in few bits. Writer and reader have the same members, so that a layout
+// is written down once (wire/layout.hpp) and serves both directions.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -100,7 +100,8 @@ class BitReader {
     static constexpr bool writes = false;
 
     constexpr BitReader() = default;
-    constexpr BitReader(const std::uint8_t* data, std::size_t size) noexcept : data_{data}, size_{size} {}
+    constexpr BitReader(const std::uint8_t* data, std::size_t size) noexcept
+        : data_{data}, size_{size} {}
 
     constexpr void bits(std::uint32_t& v, unsigned n) noexcept {
         v = 0;

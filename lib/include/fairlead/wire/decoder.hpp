@@ -1,8 +1,10 @@
 #pragma once
-// Bytes in, curves out: finds frames, notices damage, and rebuilds the encoder's curves bit for bit.
+// Bytes in, curves out: finds frames, notices damage, and rebuilds the encoder's curves bit for
+// bit.
 //
-// push() takes one byte; when it completes a good frame, next() gives what the frame says, one piece at a
-// time. After damage or loss nothing is believed until the next restart frame. Bounded memory and work.
+// push() takes one byte; when it completes a good frame, next() gives what the frame says, one
+// piece at a time. After damage or loss nothing is believed until the next restart frame. Bounded
+// memory and work.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,9 +19,9 @@ class Decoder {
     using Orientation = OrientationChannel;
 
     struct Counters {
-        std::uint32_t frames{0};         // good ones
-        std::uint32_t restarts{0};       // of them, restart frames
-        std::uint32_t damaged{0};        // losses of step: a bad checksum, a missing frame, nonsense
+        std::uint32_t frames{0};    // good ones
+        std::uint32_t restarts{0};  // of them, restart frames
+        std::uint32_t damaged{0};   // losses of step: a bad checksum, a missing frame, nonsense
         std::uint32_t skipped_bytes{0};  // passed over while out of step
         std::uint32_t lost_frames{0};    // by sequence numbers, modulo 2^16
     };
@@ -29,10 +31,11 @@ class Decoder {
     /// One step of a curve: look at position() or orientation() for its state after the step.
     struct Update {
         Channel channel{};
-        bool piece{};    // a new polynomial took over at the curve's t0_ns
-        bool begins{};   // ... and starts a curve: nothing joins it to what was before
-        bool breaks{};   // ... in the middle of a motion, where the tolerance left no other way
-        bool rejoined{}; // ... known from a restart frame; same curve as before if in step all along
+        bool piece{};     // a new polynomial took over at the curve's t0_ns
+        bool begins{};    // ... and starts a curve: nothing joins it to what was before
+        bool breaks{};    // ... in the middle of a motion, where the tolerance left no other way
+        bool rejoined{};  // ... known from a restart frame; same curve as before if in step all
+                          // along
     };
 
     /// @return true when the byte completed a good frame: call next() until it is empty.
@@ -43,7 +46,8 @@ class Decoder {
     }
     /// More frames may wait among bytes that were searched again: ask when next() has run empty.
     bool more() noexcept { return find_frame(); }
-    /// The input has ended: what looked like the head of a longer frame is searched, too. Then as more().
+    /// The input has ended: what looked like the head of a longer frame is searched, too. Then as
+    /// more().
     bool finish() noexcept {
         ended_ = true;
         return find_frame();
@@ -94,7 +98,8 @@ class Decoder {
     }
 
     bool good(std::size_t head, std::size_t n, bool restart) const noexcept {
-        const std::uint16_t seed = restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_);
+        const std::uint16_t seed =
+            restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_);
         const std::uint16_t crc = crc16(buffer_.data(), head + n, seed);
         return buffer_[head + n] == crc >> 8 && buffer_[head + n + 1] == (crc & 0xffu);
     }
@@ -120,7 +125,8 @@ class Decoder {
         }
         position_batch_ = {};
         orientation_batch_ = {};
-        if (!wire::content(io, position_, position_batch_, header_.base_ns, header_.tick_ns)) return false;
+        if (!wire::content(io, position_, position_batch_, header_.base_ns, header_.tick_ns))
+            return false;
         if (!wire::content(io, orientation_, orientation_batch_, header_.base_ns, header_.tick_ns))
             return false;
         in_step_ = true;

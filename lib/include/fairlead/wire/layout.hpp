@@ -1,12 +1,14 @@
 #pragma once
 // What stands in a frame, written down once for both directions. docs/formats.md tells it in prose.
 //
-//   data frame     length (1 byte, or 2 with the top bits 10), payload, CRC-16 seeded with the sequence number
-//   restart frame  length (2 bytes, top bits 11), payload that starts with the whole state, CRC-16
-//   payload        [restart: header, one state per channel], then per channel: begin?, knots, cover
+//   data frame     length (1 byte, or 2 with the top bits 10), payload, CRC-16 seeded with the
+//   sequence number restart frame  length (2 bytes, top bits 11), payload that starts with the
+//   whole state, CRC-16 payload        [restart: header, one state per channel], then per channel:
+//   begin?, knots, cover
 //
-// The sequence number of a data frame is not sent: it seeds the CRC, so that a lost or repeated frame is
-// noticed like a damaged one. Restart frames carry it. Only there a decoder that is out of step gets in.
+// The sequence number of a data frame is not sent: it seeds the CRC, so that a lost or repeated
+// frame is noticed like a damaged one. Restart frames carry it. Only there a decoder that is out of
+// step gets in.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -73,14 +75,16 @@ void scale(Io& io, typename VectorChannel<D, Order>::Scale& s, VectorChannel<D, 
     for (auto& e : s.exponent) {
         auto biased = static_cast<std::uint32_t>(e + 64);
         io.bits(biased, 7);
-        if constexpr (!Io::writes) e = static_cast<std::int8_t>(static_cast<std::int32_t>(biased) - 64);
+        if constexpr (!Io::writes)
+            e = static_cast<std::int8_t>(static_cast<std::int32_t>(biased) - 64);
     }
 }
 template <class Io>
 void scale(Io& io, OrientationChannel::Scale& s, OrientationChannel) noexcept {
     auto biased = static_cast<std::uint32_t>(s.exponent + 64);
     io.bits(biased, 7);
-    if constexpr (!Io::writes) s.exponent = static_cast<std::int8_t>(static_cast<std::int32_t>(biased) - 64);
+    if constexpr (!Io::writes)
+        s.exponent = static_cast<std::int8_t>(static_cast<std::int32_t>(biased) - 64);
 }
 
 template <class Io, class Curve>
@@ -137,8 +141,8 @@ void state(Io& io, Link<Channel>& link, std::int64_t base_ns, std::uint32_t tick
 
 /// The start of a curve: its polynomial, rounded as `coarse` says.
 template <class Io, class Channel>
-void begin(Io& io, const Link<Channel>& link, std::uint8_t& coarse_out, typename Channel::Curve& curve,
-           std::int64_t base_ns, std::uint32_t tick_ns) noexcept {
+void begin(Io& io, const Link<Channel>& link, std::uint8_t& coarse_out,
+           typename Channel::Curve& curve, std::int64_t base_ns, std::uint32_t tick_ns) noexcept {
     std::uint32_t coarse = coarse_out;
     io.bits(coarse, 5);
     coarse_out = static_cast<std::uint8_t>(coarse);
