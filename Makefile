@@ -60,6 +60,24 @@ $(BUILD)/tests/gateway: $(call objects,$(GATEWAY_TESTS)) $(BUILD)/libport.a $(BU
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgtest -lgtest_main $(GATEWAY_LIBS) -o $@
 
+# ---- our reducer beside its rivals: baselines as an archive, and the program (docs/peers.md)
+PEERS_SOURCES := $(filter-out %/sisl.cpp, $(sort $(wildcard host_sim/baselines/*.cpp \
+                   host_sim/baselines/knots/*.cpp host_sim/baselines/compress/*.cpp)))
+BENCH_PEERS   := $(sort $(wildcard host_sim/bench_peers/*.cpp)) host_sim/baselines/knots/sisl.cpp
+$(BUILD)/libpeers.a: $(call objects,$(PEERS_SOURCES))
+	@rm -f $@ && $(AR) rcs $@ $^
+$(BUILD)/bench-peers: $(call objects,$(BENCH_PEERS)) $(BUILD)/libpeers.a $(BUILD)/libsim.a
+	$(CXX) $(HOST) $^ -lsisl -lz -o $@
+
+$(BUILD)/tests/peers: $(call objects,$(sort $(wildcard tests/peers/*.cpp))) $(BUILD)/libpeers.a $(BUILD)/libsim.a
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -lgtest -lgtest_main -lz -o $@
+
+.PHONY: bench-peers
+bench-peers: setup-build setup-peers ## control points and bytes beside the rivals; rewrites the table in docs/peers.md
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-peers $(BUILD)/fairlead-sim
+	$(BUILD)/bench-peers
+
 # ---- every public header compiles alone, strictly, without exceptions and RTTI
 $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
 	@mkdir -p $(@D)
@@ -75,7 +93,7 @@ setup-%:
 	@.ci/setup $*
 
 .PHONY: test
-TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port $(BUILD)/tests/gateway
+TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port $(BUILD)/tests/gateway $(BUILD)/tests/peers
 test: setup-build setup-test setup-gateway ## build and run all tests that need no other machine (installs what is missing)
 	@$(MAKE) BUILD=$(BUILD) build-tests
 	@tests/run $(TEST_PROGRAMS)
