@@ -121,6 +121,14 @@ tidy: setup-lint ## clang-tidy over the library and the programs
 HOST += -isystem /usr/include/eigen3
 test: setup-reference
 
+$(BUILD)/tests/strain: $(call objects,tests/recordings/strain.cpp) $(BUILD)/libsim.a
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -o $@
+.PHONY: test-strain
+test-strain: setup-build setup-reference ## hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/tests/strain
+	@tests/run $(BUILD)/tests/strain
+
 # ---- Cortex-M and RISC-V under an emulator: rules in tests/target/target.mk, guide in docs/target.md
 TARGET := $(MAKE) -f tests/target/target.mk --output-sync=target
 .PHONY: target-test
