@@ -124,6 +124,16 @@ test: setup-reference
 $(BUILD)/tests/strain: $(call objects,tests/recordings/strain.cpp) $(BUILD)/libsim.a
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -o $@
+
+# ---- smoothing side by side: whole-buffer strain, the gradient descent of its paper, fairing
+SMOOTH_BASELINES := $(sort $(wildcard host_sim/baselines/filters/*.cpp))
+$(BUILD)/bench-smooth: $(call objects,host_sim/bench_smooth/smooth.cpp $(SMOOTH_BASELINES))
+	$(CXX) $(HOST) $^ -lbenchmark -o $@
+.PHONY: bench-smooth
+bench-smooth: setup-build setup-bench ## time strain smoothing beside gradient descent and fairing
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-smooth
+	$(BUILD)/bench-smooth
+
 .PHONY: test-strain
 test-strain: setup-build setup-reference ## hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/tests/strain
