@@ -53,6 +53,17 @@ $(BUILD)/tests/port: $(call objects,$(PORT_TESTS)) $(BUILD)/libport.a $(BUILD)/l
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgpiod -lgtest -lgtest_main -o $@
 
+# the sensor drivers on a microcontroller: they compile for a Cortex-M4F and ask for no heap
+ARM_PORT := arm-none-eabi-g++ -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
+$(BUILD)/device/drivers.o: tests/port/device/drivers.cpp $(wildcard port/sensors/*.hpp) $(LIB_HEADERS)
+	@mkdir -p $(@D)
+	$(ARM_PORT) $(filter-out -pthread,$(DEVICE)) -fno-threadsafe-statics -c $< -o $@
+.PHONY: port-device
+port-device: setup-target ## the sensor drivers for a Cortex-M4F: no heap, no exceptions
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/device/drivers.o
+	@! arm-none-eabi-nm -uC $(BUILD)/device/drivers.o | grep -E 'malloc|calloc|realloc|free|operator|__cxa|unwind'
+	@echo "ok port-device: no heap, no exceptions" && arm-none-eabi-size $(BUILD)/device/drivers.o
+
 # ---- the gateway: Modbus, sources, configuration, and the reader for the other side
 GATEWAY_LIBS  := -lmodbus
 GATEWAY_TESTS := $(sort $(wildcard tests/gateway/*.cpp))
