@@ -1,0 +1,350 @@
+#pragma once
+// Orientation from gyro and accelerometer, with or without magnetometer: causal, float, in fixed
+// memory and even work per sample.
+//
+// Every sample: rest detection, exact strapdown, sums over a window, one slice of a Kalman step
+// (attitude_kalman.hpp) that estimates tilt, heading, gyro bias, scale and shear. Time steps are
+// per sample; lost samples are bridged; what is missing, clipped or stuck adds to the uncertainty
+// instead of to the error. After [Laidig & Seel 2023] for the idea of a filter in an almost
+// inertial frame; the rest is ours: docs/attitude.md has method, figures and limits.
+// In: Samples behind an Intake. Out: q_wb, body to east-north-up. State: at most 1000 bytes.
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "fairlead/sense/attitude_kalman.hpp"
+#include "fairlead/sense/attitude_params.hpp"
+#include "fairlead/sense/attitude_rest.hpp"
+#include "fairlead/sense/attitude_state.hpp"
+#include "fairlead/sense/attitude_strapdown.hpp"
+#include "fairlead/sense/saved.hpp"
+
+namespace fairlead {
+
+template <class Real = float, AttitudeMode mode = AttitudeMode::imu_mag>
+class BasicAttitude {
+    using Kalman = KalmanStep<Real, mode>;
+    using Vector = BasicVec3<Real>;
+    using Rotation = BasicQuat<Real>;
+    static constexpr bool has_field = mode == AttitudeMode::imu_mag;
+
+  public:
+    using State = AttitudeState<Real, mode>;
+    static constexpr std::size_t latency = 0;
+
+    explicit BasicAttitude(const AttitudeParams& params = {}) noexcept : params_{params} {
+        reset();
+    }
+
+    void reset() noexcept {
+        s_ = State{};
+        Kalman::start(s_, params_);
+    }
+
+    /// Empty: no time has passed since the sample before, or nothing is known yet. A sample without
+    /// a gyro or accelerometer reading repeats the last orientation, not marked as valid.
+    std::optional<Pose> push(const Sample& sample) noexcept {
+        const bool has_gyro = valid(sample, flag::gyro_valid, sample.gyro_rad_s);
+        const bool has_accel = valid(sample, flag::accel_valid, sample.accel_m_s2);
+        if (s_.phase == AttitudePhase::empty) {
+            if (!has_gyro || !has_accel) return std::nullopt;
+            begin(sample);
+            return pose(sample);
+        }
+        if (sample.t_ns <= s_.t_ns) return std::nullopt;
+        if (sample.t_ns - s_.t_ns > gap_ns_max()) {  // also where only invalid samples came
+            if (has_gyro && has_accel) begin(sample);
+            return pose(sample, has_gyro && has_accel);
+        }
+        if (!has_gyro) return pose(sample, false);  // bridged like a lost one
+        step(sample, has_accel);
+        return pose(sample);
+    }
+    static constexpr std::optional<Pose> flush() noexcept { return std::nullopt; }
+
+    // ---- what is known, after the last push
+    Rotation orientation() const noexcept { return s_.q_wb; }
+    Vector rate_rad_s() const noexcept { return s_.rate_rad_s; }
+    Vector bias_rad_s() const noexcept { return s_.bias_rad_s; }
+    bool resting() const noexcept { return (s_.flags & flag::rest) != 0; }
+
+    /// Orientation dt_s from now if the rate stays: what the latency of a display asks for.
+    Rotation predict(Real dt_s) const noexcept {
+        const Vector r = dt_s * s_.rate_rad_s;
+        return normalised(s_.q_wb * turn_quat(r, dot(r, r)));
+    }
+    /// Acceleration of the sensor without gravity, in the world frame.
+    Vector earth_acceleration(const Sample& sample) const noexcept {
+        return rotate(s_.q_wb, widen(sample.accel_m_s2)) -
+               Vector{0, 0, static_cast<Real>(gravity_m_s2)};
+    }
+    /// The same in the body frame.
+    Vector linear_acceleration(const Sample& sample) const noexcept {
+        return rotate(conj(s_.q_wb), earth_acceleration(sample));
+    }
+    /// Standard deviations, rad. Inclination: of the whole angle between the two verticals.
+    Real inclination_sigma() const noexcept {
+        return approx::sqrt(std::max(tilt_variance(), Real{0}));
+    }
+    Real heading_sigma() const noexcept {
+        static_assert(has_field, "without a magnetometer heading is only relative");
+        const auto north = static_cast<Real>(params_.field_offset);
+        return approx::sqrt(std::max(heading_variance(), Real{0}) + north * north);
+    }
+
+    // ---- what a board keeps over a power-down
+    const State& state() const noexcept { return s_; }
+    /// Takes over bias, scale, shear and the field's reference; the orientation is found anew.
+    void restore_knowledge(const State& known) noexcept {
+        s_ = known;
+        s_.phase = AttitudePhase::empty;
+        s_.slice = Kalman::idle;
+    }
+    /// Takes over everything: the next sample follows the last one of that state.
+    void restore_all(const State& known) noexcept { s_ = known; }
+
+  private:
+    static Vector widen(const Vec3& v) noexcept {
+        return {static_cast<Real>(v.x), static_cast<Real>(v.y), static_cast<Real>(v.z)};
+    }
+    static bool valid(const Sample& sample, std::uint32_t bit, const Vec3& v) noexcept {
+        return (sample.flags & bit) != 0 && is_finite(v);
+    }
+    static bool beyond(const Vec3& v, float max) noexcept {
+        constexpr float full = 0.99f;  // of the range: the last code may be a little below it
+        const float limit = full * max;
+        return approx::abs(v.x) >= limit || approx::abs(v.y) >= limit || approx::abs(v.z) >= limit;
+    }
+    std::int64_t gap_ns_max() const noexcept {
+        constexpr float longest_s = 2.0f;  // a step in ns fits 32 bits
+        return static_cast<std::int64_t>(std::min(params_.gap_s_max, longest_s) * 1e9f);
+    }
+    Real tilt_variance() const noexcept {
+        return s_.covariance(State::tilt, State::tilt) +
+               s_.covariance(State::tilt + 1, State::tilt + 1);
+    }
+    Real heading_variance() const noexcept { return s_.covariance(State::heading, State::heading); }
+
+    /// The first sample, and the first after an outage.
+    void begin(const Sample& sample) noexcept {
+        const Vector gyro = widen(sample.gyro_rad_s), accel = widen(sample.accel_m_s2);
+        s_.t_ns = sample.t_ns;
+        s_.rate_rad_s = gyro - s_.bias_rad_s;
+        s_.q_wb = levelled(s_.q_wb, rotate(s_.q_wb, accel));
+        s_.velocity_m_s = {};
+        s_.sums = {};
+        s_.blind_s = 0;
+        if constexpr (has_field) {
+            s_.field.sum = {};
+            s_.field.count = 0;
+            if (valid(sample, flag::mag_valid, sample.mag_uT)) {
+                const Vector field = rotate(s_.q_wb, widen(sample.mag_uT));
+                s_.q_wb = about_up(approx::atan2(field.x, field.y)) * s_.q_wb;
+            }
+        }
+        start_rest(s_.rest, params_, gyro, accel);
+        s_.phase = AttitudePhase::aligning;
+        s_.flags = flag::settling;
+    }
+
+    void step(const Sample& sample, bool has_accel) noexcept {
+        // at most gap_ns_max(): the difference fits 32 bits, whose conversion is one instruction
+        const Real dt = static_cast<Real>(static_cast<std::int32_t>(sample.t_ns - s_.t_ns)) *
+                        static_cast<Real>(1e-9);
+        s_.t_ns = sample.t_ns;
+        const bool gap = is_gap(dt);
+        const bool blind = doubt_gyro(sample, dt);
+        const bool usable_accel = has_accel && !accel_clipped(sample);
+        const Vector gyro = widen(sample.gyro_rad_s);
+        const Vector accel = usable_accel ? widen(sample.accel_m_s2) : s_.rest.accel;
+        const bool rest = update_rest(s_.rest, params_, gyro, accel, dt) && !blind;
+
+        Vector rate = gyro - s_.bias_rad_s;
+        rate = rate - s_.gyro_matrix * rate;
+        Vector mean = rate;
+        if (gap) mean = bridge(rate, dt);
+        s_.rate_rad_s = rate;
+        const Vector half = (dt / 2) * mean;
+        const Real half2 = dot(half, half);
+        const Rotation half_turn = turn_quat(half, half2);
+        const Rotation middle = s_.q_wb * half_turn;
+        s_.q_wb = middle * half_turn;
+
+        // a reading is a mean over the interval before its time stamp: seen from its middle
+        const Matrix3<Real> axes = matrix_of(middle);
+        add_force(axes, accel, dt, usable_accel);
+        if constexpr (has_field) add_field(axes, sample);
+        auto& w = s_.sums;
+        w.time += dt;
+        w.turn += Real{2} * half;
+        w.turn2 += 4 * half2;
+        ++w.count;
+
+        const std::uint32_t seen =
+            (rest ? flag::rest : 0u) | (blind || (has_accel && !usable_accel) ? flag::clipped : 0u);
+        s_.flags =
+            static_cast<std::uint16_t>(seen | (s_.flags & (flag::settling | flag::mag_rejected)));
+        if (s_.phase == AttitudePhase::aligning)
+            align();
+        else
+            filter();
+    }
+
+    /// One slice, or two where the samples are so rare that the step would outlast its window.
+    void filter() noexcept {
+        const auto& w = s_.sums;
+        const auto step_s = static_cast<Real>(params_.step_s);
+        if (s_.slice == Kalman::idle) {
+            if (w.time + s_.period_s / 2 < step_s) return;
+            Kalman::close_window(s_, params_);
+            return;
+        }
+        const Real needed_s = s_.period_s * static_cast<Real>(Kalman::apply + 1 - s_.slice);
+        Kalman::advance(s_, params_);
+        if (s_.slice != Kalman::idle && needed_s > step_s - w.time) Kalman::advance(s_, params_);
+        if (s_.slice == Kalman::idle) judge();
+    }
+
+    /// Flags that change with the Kalman step, and the end of an orientation that is lost.
+    void judge() noexcept {
+        const auto sq = [](float x) { return static_cast<Real>(x * x); };
+        constexpr float lost = 0.6f;  // rad: beyond it a linear filter is worse than a new start
+        bool settled = tilt_variance() <= sq(params_.settled_tilt);
+        std::uint32_t flags = s_.flags & ~(flag::settling | flag::mag_rejected);
+        if constexpr (has_field) {
+            settled = settled && heading_variance() <= sq(params_.settled_heading);
+            if (s_.field.residual2 > sq(params_.field_disturbed_uT)) flags |= flag::mag_rejected;
+        }
+        if (!settled) flags |= flag::settling;
+        s_.flags = static_cast<std::uint16_t>(flags);
+        if (tilt_variance() > sq(lost) && s_.blind_s <= 0) {
+            s_.phase = AttitudePhase::aligning;
+            s_.velocity_m_s = {};
+            s_.sums = {};
+            if constexpr (has_field) {
+                s_.field.sum = {};
+                s_.field.count = 0;
+            }
+        }
+    }
+
+    /// Levels on the mean specific force so far, and turns to the mean field.
+    void align() noexcept {
+        auto& w = s_.sums;
+        const Vector up{s_.velocity_m_s[0], s_.velocity_m_s[1], w.lift};
+        const Rotation before = s_.q_wb;
+        s_.q_wb = levelled(before, up);
+        w.lift = norm(up);
+        s_.velocity_m_s = {};
+        if constexpr (has_field) {
+            Vector& sum = s_.field.sum;
+            sum = rotate(s_.q_wb * conj(before), sum);
+            if (s_.field.count > 0) {
+                s_.q_wb = about_up(approx::atan2(sum.x, sum.y)) * s_.q_wb;
+                sum = {0, approx::sqrt(sum.x * sum.x + sum.y * sum.y), sum.z};
+            }
+        }
+        if (w.time < static_cast<Real>(params_.align_s)) return;
+        if constexpr (has_field) start_field(s_.field, params_);
+        Kalman::aligned(s_, params_);
+        s_.phase = AttitudePhase::running;
+    }
+
+    /// Keeps the typical period up to date; true for a step that lost samples.
+    bool is_gap(Real dt) noexcept {
+        if (s_.period_s <= 0) s_.period_s = dt;
+        const bool gap = dt > static_cast<Real>(params_.gap_periods) * s_.period_s;
+        const Real share = static_cast<Real>(dt < s_.period_s ? 0.25 : gap ? 1.0 / 256 : 1.0 / 64);
+        s_.period_s += share * (dt - s_.period_s);
+        return gap;
+    }
+
+    /// The mean rate over a gap, linear between its ends, and what may have happened in it.
+    Vector bridge(const Vector& rate, Real dt) noexcept {
+        const Vector change = rate - s_.rate_rad_s;
+        const auto walk = static_cast<Real>(params_.rate_walk);
+        s_.sums.doubt_angle2 += dt * dt * (dot(change, change) + walk * walk * dt) / 12;
+        return static_cast<Real>(0.5) * (rate + s_.rate_rad_s);
+    }
+
+    /// A clipped or dead axis: the angle missed grows with the time it lasts.
+    bool doubt_gyro(const Sample& sample, Real dt) noexcept {
+        const float range = params_.gyro_max_rad_s;
+        const bool clipped =
+            range > 0 ? beyond(sample.gyro_rad_s, range) : (sample.flags & flag::clipped) != 0;
+        const bool dead = note_repeats(sample.gyro_rad_s) || (sample.flags & flag::stuck) != 0;
+        if (!clipped && !dead) {
+            s_.blind_s = 0;
+            return false;
+        }
+        constexpr float beyond_range = 0.2f;  // of the reading: how much a clipped one may miss
+        constexpr float dead_rad_s = 1.0f;
+        const auto reading = static_cast<Real>(beyond_range) * norm(widen(sample.gyro_rad_s));
+        const Real missed = dead ? static_cast<Real>(dead_rad_s) : reading;
+        // (missed * t)^2 grows by this much
+        s_.sums.doubt_angle2 += missed * missed * dt * (2 * s_.blind_s + dt);
+        s_.blind_s += dt;
+        return true;
+    }
+
+    /// True where an axis has told the same number for too long while the board moves.
+    bool note_repeats(const Vec3& gyro) noexcept {
+        constexpr std::uint8_t dead_samples = 32;
+        const Vector now = widen(gyro);
+        const auto count = [](Real a, Real b, std::uint8_t& n) {
+            n = a == b ? static_cast<std::uint8_t>(std::min(n + 1, int{dead_samples}))
+                       : std::uint8_t{0};
+            return n == dead_samples;
+        };
+        const bool x = count(now.x, s_.raw_gyro.x, s_.repeats[0]);
+        const bool y = count(now.y, s_.raw_gyro.y, s_.repeats[1]);
+        const bool z = count(now.z, s_.raw_gyro.z, s_.repeats[2]);
+        s_.raw_gyro = now;
+        return (x || y || z) && s_.rest.quiet_s <= 0;
+    }
+
+    bool accel_clipped(const Sample& sample) const noexcept {
+        if (params_.accel_max_m_s2 > 0) return beyond(sample.accel_m_s2, params_.accel_max_m_s2);
+        return (sample.flags & (flag::clipped | flag::stuck)) != 0;
+    }
+
+    void add_force(const Matrix3<Real>& axes, const Vector& accel, Real dt, bool usable) noexcept {
+        if (usable) {
+            const Vector force = axes * accel;
+            s_.velocity_m_s[0] += dt * force.x;
+            s_.velocity_m_s[1] += dt * force.y;
+            s_.sums.lift += dt * force.z;
+            return;
+        }
+        // not measured: it has wandered within its bound
+        const auto speed = static_cast<Real>(params_.velocity_m_s);
+        s_.sums.lift += dt * static_cast<Real>(gravity_m_s2);
+        s_.sums.doubt_velocity2 += 2 * speed * speed * dt / static_cast<Real>(params_.velocity_s);
+    }
+
+    void add_field(const Matrix3<Real>& axes, const Sample& sample) noexcept {
+        if (!valid(sample, flag::mag_valid, sample.mag_uT)) return;
+        s_.field.sum += axes * widen(sample.mag_uT);
+        ++s_.field.count;
+    }
+
+    Pose pose(const Sample& sample, bool known = true) const noexcept {
+        Pose out;
+        out.t_ns = sample.t_ns;
+        out.q_wb = {static_cast<float>(s_.q_wb.w), static_cast<float>(s_.q_wb.x),
+                    static_cast<float>(s_.q_wb.y), static_cast<float>(s_.q_wb.z)};
+        out.flags = s_.flags | (sample.flags & flag::gap_before) |
+                    (known ? flag::orientation_valid : flag::settling);
+        return out;
+    }
+
+    AttitudeParams params_;
+    State s_;
+};
+
+using Attitude = BasicAttitude<float, AttitudeMode::imu_mag>;
+using AttitudeImu = BasicAttitude<float, AttitudeMode::imu>;
+
+static_assert(sizeof(Attitude::State) <= 1000 && sizeof(AttitudeImu::State) <= 1000);
+
+}  // namespace fairlead

@@ -1,0 +1,399 @@
+// The attitude filter on motions with known truth: what it converges to, what it survives, and the
+// laws that it keeps. Recordings and their figures: docs/attitude.md.
+#include "fairlead/sense/attitude.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "fairlead/sense/attitude_gyro.hpp"
+#include "host_sim/random.hpp"
+#include "tests/ref/rotation.hpp"
+
+namespace {
+
+using namespace fairlead;
+
+constexpr double deg = 0.017453292519943295;
+constexpr std::int64_t period_ns = 3'500'000;
+constexpr double period_s = 3.5e-3;
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+struct World {
+    double horizontal_uT{18}, up_uT{-42};  // magnetic north is the world's north
+    ref::V bias{0.004, -0.006, 0.003};
+    double gyro_noise{0.002}, accel_noise{0.02}, mag_noise{0.3};
+    double scale_x{0};
+    double still_s{10};
+    std::uint64_t seed{1};
+};
+
+/// A hand that rests, then turns and shakes; truth in double by many small exact turns.
+class Motion {
+  public:
+    explicit Motion(const World& world) : w_{world}, random_{world.seed} {}
+
+    Sample next() {
+        ref::V mean_rate{}, force{};
+        constexpr int parts = 8;
+        for (int i = 0; i < parts; ++i) {
+            const double t = t_ + (i + 0.5) * period_s / parts;
+            const ref::V rate = rate_at(t);
+            truth_ = ref::unit(ref::mul(truth_, ref::from_vector((period_s / parts) * rate)));
+            mean_rate = mean_rate + (1.0 / parts) * rate;
+            if (i == parts / 2)
+                force = to_body({accel_at(t)[0], accel_at(t)[1], 9.81 + accel_at(t)[2]});
+        }
+        t_ += period_s;
+        n_ += 1;
+        Sample s;
+        s.t_ns = n_ * period_ns;
+        s.flags = flag::gyro_valid | flag::accel_valid | flag::mag_valid;
+        mean_rate[0] *= 1 + w_.scale_x;
+        s.gyro_rad_s = noisy(mean_rate + w_.bias, w_.gyro_noise);
+        s.accel_m_s2 = noisy(force, w_.accel_noise);
+        s.mag_uT = noisy(to_body({0, w_.horizontal_uT, w_.up_uT}), w_.mag_noise);
+        return s;
+    }
+    const ref::Q& truth() const { return truth_; }
+    double time() const { return t_; }
+
+  private:
+    ref::V rate_at(double t) const {
+        if (t < w_.still_s) return {};
+        const double u = t - w_.still_s;
+        return {1.5 * std::sin(1.1 * u), 1.2 * std::sin(0.7 * u + 1), 1.8 * std::sin(0.5 * u)};
+    }
+    ref::V accel_at(double t) const {
+        if (t < w_.still_s) return {};
+        const double u = t - w_.still_s;  // a velocity of at most 0.5 m/s
+        return {2.0 * std::cos(4 * u), 1.5 * std::sin(5 * u), std::sin(3 * u)};
+    }
+    ref::V to_body(const ref::V& v) const {
+        const ref::Q q = ref::mul(ref::mul(ref::inverse(truth_), {0, v[0], v[1], v[2]}), truth_);
+        return {q[1], q[2], q[3]};
+    }
+    Vec3 noisy(const ref::V& v, double sigma) {
+        return {static_cast<float>(v[0] + sigma * random_.normal()),
+                static_cast<float>(v[1] + sigma * random_.normal()),
+                static_cast<float>(v[2] + sigma * random_.normal())};
+    }
+
+    World w_;
+    sim::Random random_;
+    ref::Q truth_{ref::unit({0.8, 0.3, -0.4, 0.2})};
+    double t_{0};
+    std::int64_t n_{0};
+};
+
+struct Errors {
+    double total{}, inclination{};
+};
+
+Errors errors_of(const Quat& q, const ref::Q& truth) {
+    const ref::Q e = ref::mul({q.w, q.x, q.y, q.z}, ref::inverse(truth));
+    const double n = std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
+    const double up = std::sqrt(e[0] * e[0] + e[3] * e[3]) / n;
+    return {2 * std::acos(std::min(1.0, std::abs(e[0]) / n)) / deg,
+            2 * std::acos(std::min(1.0, up)) / deg};
+}
+
+/// Worst errors between two times, after `spoil` has had its way with every sample.
+template <class Filter, class Spoil>
+Errors worst(Filter& filter, Motion& motion, double from_s, double to_s, Spoil spoil) {
+    Errors most;
+    while (motion.time() < to_s) {
+        Sample s = motion.next();
+        spoil(s, motion.time());
+        const auto pose = filter.push(s);
+        if (!pose) continue;
+        EXPECT_TRUE(is_finite(pose->q_wb));
+        if (motion.time() < from_s) continue;
+        const Errors e = errors_of(pose->q_wb, motion.truth());
+        most.total = std::max(most.total, e.total);
+        most.inclination = std::max(most.inclination, e.inclination);
+    }
+    return most;
+}
+const auto leave = [](Sample&, double) {};
+
+TEST(Attitude, FindsOrientationAndBiasFromRest) {
+    Motion motion{World{}};
+    Attitude filter;
+    const Errors e = worst(filter, motion, 5, 60, leave);
+    EXPECT_LT(e.inclination, 1.0);
+    EXPECT_LT(e.total, 2.0);
+    EXPECT_NEAR(filter.bias_rad_s().x, 0.004, 0.0005);
+    EXPECT_NEAR(filter.bias_rad_s().y, -0.006, 0.0005);
+    EXPECT_NEAR(filter.bias_rad_s().z, 0.003, 0.0005);
+}
+
+TEST(Attitude, LearnsAScaleErrorInMotion) {
+    World world;
+    world.scale_x = 0.015;
+    Motion motion{world};
+    Attitude filter;
+    worst(filter, motion, 100, 100, leave);
+    EXPECT_NEAR(filter.state().gyro_matrix.scale.x, 0.015, 0.004);
+    EXPECT_NEAR(filter.state().gyro_matrix.scale.y, 0, 0.004);
+}
+
+TEST(Attitude, StartsInMotion) {
+    World world;
+    world.still_s = 0;
+    Motion motion{world};
+    Attitude filter;
+    const Errors e = worst(filter, motion, 20, 60, leave);
+    EXPECT_LT(e.inclination, 1.5);
+    EXPECT_LT(e.total, 4.0);
+}
+
+TEST(Attitude, TheMagnetometerCannotTouchTheInclination) {
+    Motion a{World{}}, b{World{}};
+    Attitude nine;
+    AttitudeImu six;
+    for (int i = 0; i < 10000; ++i) {
+        const auto p = nine.push(a.next());
+        const auto q = six.push(b.next());
+        ASSERT_TRUE(p && q);
+        const Vec3 up9 = rotate(conj(p->q_wb), Vec3{0, 0, 1});
+        const Vec3 up6 = rotate(conj(q->q_wb), Vec3{0, 0, 1});
+        ASSERT_NEAR(norm(up9 - up6), 0, 1e-4) << i;  // 0.006 deg: rounding in two frames
+    }
+}
+
+TEST(Attitude, ForgetsNothingOverNaNDropOutsAndBadTime) {
+    for (const double outage_s : {0.02, 0.3, 0.9, 10.0}) {
+        Motion motion{World{}};
+        Attitude filter;
+        const auto spoil = [&](Sample& s, double t) {
+            if (t < 20 || t >= 20 + outage_s) return;
+            s.gyro_rad_s.x = s.accel_m_s2.y = s.mag_uT.z = static_cast<float>(not_a_number);
+        };
+        const Errors e = worst(filter, motion, 45, 60, spoil);
+        EXPECT_LT(e.inclination, 1.5) << outage_s;
+        EXPECT_LT(e.total, 4.0) << outage_s;
+    }
+}
+
+TEST(Attitude, EachSensorMayFailAlone) {
+    for (int sensor = 0; sensor < 3; ++sensor) {
+        Motion motion{World{}};
+        Attitude filter;
+        const auto spoil = [&](Sample& s, double t) {
+            if (t < 20 || t > 24) return;
+            s.flags &= ~(sensor == 0   ? flag::gyro_valid
+                         : sensor == 1 ? flag::accel_valid
+                                       : flag::mag_valid);
+        };
+        const Errors e = worst(filter, motion, 45, 60, spoil);
+        EXPECT_LT(e.inclination, 1.5) << sensor;
+        EXPECT_LT(e.total, 4.0) << sensor;
+    }
+}
+
+TEST(Attitude, InvalidReadingsAreNotCalledValid) {
+    Motion motion{World{}};
+    Attitude filter;
+    Sample s = motion.next();
+    s.flags = 0;
+    EXPECT_FALSE(filter.push(s)) << "nothing is known yet";
+    EXPECT_TRUE(filter.push(motion.next()));
+    s = motion.next();
+    s.flags = flag::accel_valid;
+    const auto pose = filter.push(s);
+    ASSERT_TRUE(pose);
+    EXPECT_EQ(pose->flags & flag::orientation_valid, 0u);
+    s = motion.next();
+    EXPECT_TRUE(filter.push(s));
+    EXPECT_FALSE(filter.push(s)) << "no time has passed";
+    s.t_ns -= period_ns;
+    EXPECT_FALSE(filter.push(s)) << "time goes back";
+}
+
+TEST(Attitude, BridgesLostSamples) {
+    Motion motion{World{}};
+    Attitude filter;
+    sim::Random random{3};
+    int burst = 0;
+    Errors most;
+    while (motion.time() < 60) {
+        const Sample s = motion.next();
+        if (burst == 0 && random.uniform() < 0.005) burst = 5;
+        if (burst > 0) {
+            --burst;
+            continue;
+        }
+        const auto pose = filter.push(s);
+        if (motion.time() < 5) continue;
+        most.inclination =
+            std::max(most.inclination, errors_of(pose->q_wb, motion.truth()).inclination);
+    }
+    EXPECT_LT(most.inclination, 1.0);
+}
+
+TEST(Attitude, RecoversFromAClippedGyro) {
+    Motion motion{World{}};
+    Attitude filter;
+    bool flagged = false;
+    const auto clip = [&](Sample& s, double t) {
+        if (t > 30) return;
+        for (float* x : {&s.gyro_rad_s.x, &s.gyro_rad_s.y, &s.gyro_rad_s.z}) {
+            if (std::abs(*x) < 1.4f) continue;
+            *x = std::clamp(*x, -1.4f, 1.4f);
+            s.flags |= flag::clipped;
+        }
+        flagged = flagged || (filter.state().flags & flag::clipped) != 0;
+    };
+    const Errors e = worst(filter, motion, 50, 90, clip);
+    EXPECT_TRUE(flagged);
+    EXPECT_LT(e.inclination, 1.5);
+    EXPECT_LT(e.total, 4.0);
+}
+
+TEST(Attitude, BelievesANewFieldOnceItIsSteady) {
+    Motion motion{World{}};
+    AttitudeParams params;
+    Attitude filter{params};
+    // indoors now: the field is weaker and steeper, and stays so
+    const auto indoors = [&](Sample& s, double t) {
+        if (t < 40) return;
+        const ref::Q& q = motion.truth();
+        const ref::Q b = ref::mul(ref::mul(ref::inverse(q), {0, 0, 0, -15}), q);
+        s.mag_uT = s.mag_uT + Vec3{static_cast<float>(b[1]), static_cast<float>(b[2]),
+                                   static_cast<float>(b[3])};
+    };
+    worst(filter, motion, 50, 50, indoors);
+    EXPECT_NE(filter.state().flags & flag::mag_rejected, 0u);
+    const Errors e = worst(filter, motion, 100, 120, indoors);
+    EXPECT_EQ(filter.state().flags & flag::mag_rejected, 0u);
+    EXPECT_NEAR(filter.state().field.up, -57, 3);
+    EXPECT_LT(e.total, 3.0);
+}
+
+TEST(Attitude, RestAdaptsToANoisySensor) {
+    World world;
+    world.gyro_noise = 0.015;  // 0.9 deg/s: a fixed limit of 2 deg/s would see motion for ever
+    world.accel_noise = 0.1;
+    Motion motion{world};
+    Attitude filter;
+    worst(filter, motion, 9, 9, leave);
+    EXPECT_TRUE(filter.resting());
+    worst(filter, motion, 12, 12, leave);
+    EXPECT_FALSE(filter.resting());
+}
+
+TEST(Attitude, FloatFollowsDouble) {
+    Motion a{World{}}, b{World{}};
+    Attitude single;
+    BasicAttitude<double, AttitudeMode::imu_mag> wide;
+    double sum = 0;
+    int n = 0;
+    for (; n < 20000; ++n) {
+        const auto p = single.push(a.next());
+        wide.push(b.next());
+        const auto q = wide.orientation();
+        const ref::Q reference{q.w, q.x, q.y, q.z};
+        const double e = errors_of(p->q_wb, reference).total;
+        sum += e * e;
+    }
+    EXPECT_LT(std::sqrt(sum / n), 0.02);
+}
+
+TEST(Attitude, ASavedStateGoesOnBitForBit) {
+    Motion motion{World{}};
+    Attitude filter;
+    for (int i = 0; i < 5000; ++i) filter.push(motion.next());
+    auto saved = save(filter.state());
+    Attitude other;
+    const auto state = restore(saved);
+    ASSERT_TRUE(state);
+    other.restore_all(*state);
+    for (int i = 0; i < 2000; ++i) {
+        const Sample s = motion.next();
+        const auto p = filter.push(s), q = other.push(s);
+        ASSERT_EQ(p->q_wb.w, q->q_wb.w);
+        ASSERT_EQ(p->q_wb.x, q->q_wb.x);
+        ASSERT_EQ(p->q_wb.z, q->q_wb.z);
+    }
+    for (std::size_t i = 0; i < sizeof saved; i += 7) {  // every damage is noticed
+        auto damaged = saved;
+        reinterpret_cast<unsigned char*>(&damaged)[i] ^= 0x10u;
+        const bool padding = i >= offsetof(decltype(saved), crc) + sizeof saved.crc ||
+                             (i >= 8 && i < offsetof(decltype(saved), value));
+        EXPECT_EQ(static_cast<bool>(restore(damaged)), padding) << i;
+    }
+    saved.version += 1;
+    EXPECT_FALSE(restore(saved));
+}
+
+TEST(Attitude, KnownBiasSettlesAtOnce) {
+    Motion motion{World{}};
+    Attitude filter;
+    for (int i = 0; i < 20000; ++i) filter.push(motion.next());
+    Attitude again;
+    again.restore_knowledge(filter.state());
+    World moving;
+    moving.still_s = 0;
+    moving.seed = 9;
+    Motion next{moving};
+    const Errors e = worst(again, next, 15, 40, leave);
+    EXPECT_LT(e.total, 3.0);
+    EXPECT_NEAR(again.bias_rad_s().x, 0.004, 0.0005);
+}
+
+TEST(Attitude, PredictsAtTheRateSeen) {
+    Motion motion{World{}};
+    Attitude filter;
+    for (int i = 0; i < 12000; ++i) filter.push(motion.next());
+    const auto now = filter.orientation(), later = filter.predict(0.02f);
+    const auto turned = rotation_vector(conj(now) * later);
+    EXPECT_NEAR(norm(turned - 0.02f * filter.rate_rad_s()), 0, 1e-4);
+}
+
+TEST(Attitude, CovarianceStaysPositive) {
+    Motion motion{World{}};
+    Attitude filter;
+    const std::size_t n = Attitude::State::size;
+    for (int i = 0; i < 40000; ++i) {
+        filter.push(motion.next());
+        if (i % 97 != 0 || i < 200) continue;
+        const auto& p = filter.state().covariance;
+        std::array<std::array<double, 14>, 14> l{};  // Cholesky in double, of the scaled matrix
+        for (std::size_t r = 0; r < n; ++r)
+            for (std::size_t c = 0; c <= r; ++c) {
+                double sum = static_cast<double>(p(r, c)) /
+                             std::sqrt(static_cast<double>(p(r, r)) * static_cast<double>(p(c, c)));
+                for (std::size_t k = 0; k < c; ++k) sum -= l[r][k] * l[c][k];
+                if (r == c) {
+                    ASSERT_GT(sum, 0) << "sample " << i << " state " << r;
+                }
+                l[r][c] = r == c ? std::sqrt(sum) : sum / l[c][c];
+            }
+    }
+}
+
+TEST(AttitudeGyro, FollowsTruthAndLearnsItsBiasAtRest) {
+    Motion motion{World{}};
+    AttitudeGyro filter;
+    Quat start;
+    ref::Q truth_at_start{};
+    double worst_deg = 0;
+    for (int i = 0; i < 10000; ++i) {
+        const auto pose = filter.push(motion.next());
+        ASSERT_TRUE(pose);
+        if (motion.time() < 9.9) {
+            start = pose->q_wb;
+            truth_at_start = motion.truth();
+            continue;
+        }
+        const Quat moved = conj(start) * pose->q_wb;
+        const ref::Q truly = ref::mul(ref::inverse(truth_at_start), motion.truth());
+        worst_deg = std::max(worst_deg, errors_of(moved, truly).total);
+    }
+    EXPECT_NEAR(filter.bias_rad_s().y, -0.006, 0.0005);
+    EXPECT_LT(worst_deg, 1.0);
+}
+
+}  // namespace
