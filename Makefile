@@ -53,12 +53,41 @@ $(BUILD)/tests/port: $(call objects,$(PORT_TESTS)) $(BUILD)/libport.a $(BUILD)/l
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgpiod -lgtest -lgtest_main -o $@
 
+# the sensor drivers on a microcontroller: they compile for a Cortex-M4F and ask for no heap
+ARM_PORT := arm-none-eabi-g++ -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
+$(BUILD)/device/drivers.o: tests/port/device/drivers.cpp $(wildcard port/sensors/*.hpp) $(LIB_HEADERS)
+	@mkdir -p $(@D)
+	$(ARM_PORT) $(filter-out -pthread,$(DEVICE)) -fno-threadsafe-statics -c $< -o $@
+.PHONY: port-device
+port-device: setup-target ## the sensor drivers for a Cortex-M4F: no heap, no exceptions
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/device/drivers.o
+	@! arm-none-eabi-nm -uC $(BUILD)/device/drivers.o | grep -E 'malloc|calloc|realloc|free|operator|__cxa|unwind'
+	@echo "ok port-device: no heap, no exceptions" && arm-none-eabi-size $(BUILD)/device/drivers.o
+
 # ---- the gateway: Modbus, sources, configuration, and the reader for the other side
 GATEWAY_LIBS  := -lmodbus
 GATEWAY_TESTS := $(sort $(wildcard tests/gateway/*.cpp))
 $(BUILD)/tests/gateway: $(call objects,$(GATEWAY_TESTS)) $(BUILD)/libport.a $(BUILD)/libsim.a
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgtest -lgtest_main $(GATEWAY_LIBS) -o $@
+
+# ---- our reducer beside its rivals: baselines as an archive, and the program (docs/peers.md)
+PEERS_SOURCES := $(filter-out %/sisl.cpp, $(sort $(wildcard host_sim/baselines/*.cpp \
+                   host_sim/baselines/knots/*.cpp host_sim/baselines/compress/*.cpp)))
+BENCH_PEERS   := $(sort $(wildcard host_sim/bench_peers/*.cpp)) host_sim/baselines/knots/sisl.cpp
+$(BUILD)/libpeers.a: $(call objects,$(PEERS_SOURCES))
+	@rm -f $@ && $(AR) rcs $@ $^
+$(BUILD)/bench-peers: $(call objects,$(BENCH_PEERS)) $(BUILD)/libpeers.a $(BUILD)/libsim.a
+	$(CXX) $(HOST) $^ -lsisl -lz -o $@
+
+$(BUILD)/tests/peers: $(call objects,$(sort $(wildcard tests/peers/*.cpp))) $(BUILD)/libpeers.a $(BUILD)/libsim.a
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -lgtest -lgtest_main -lz -o $@
+
+.PHONY: bench-peers
+bench-peers: setup-build setup-peers ## control points and bytes beside the rivals; rewrites the table in docs/peers.md
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-peers $(BUILD)/fairlead-sim
+	$(BUILD)/bench-peers
 
 # ---- every public header compiles alone, strictly, without exceptions and RTTI
 $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
@@ -75,7 +104,7 @@ setup-%:
 	@.ci/setup $*
 
 .PHONY: test
-TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port $(BUILD)/tests/gateway
+TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port $(BUILD)/tests/gateway $(BUILD)/tests/peers
 test: setup-build setup-test setup-gateway ## build and run all tests that need no other machine (installs what is missing)
 	@$(MAKE) BUILD=$(BUILD) build-tests
 	@tests/run $(TEST_PROGRAMS)
@@ -102,6 +131,24 @@ tidy: setup-lint ## clang-tidy over the library and the programs
 # ---- double-precision references and baselines use Eigen; the library never does
 HOST += -isystem /usr/include/eigen3
 test: setup-reference
+
+$(BUILD)/tests/strain: $(call objects,tests/recordings/strain.cpp) $(BUILD)/libsim.a
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -o $@
+
+# ---- smoothing side by side: whole-buffer strain, the gradient descent of its paper, fairing
+SMOOTH_BASELINES := $(sort $(wildcard host_sim/baselines/filters/*.cpp))
+$(BUILD)/bench-smooth: $(call objects,host_sim/bench_smooth/smooth.cpp $(SMOOTH_BASELINES))
+	$(CXX) $(HOST) $^ -lbenchmark -o $@
+.PHONY: bench-smooth
+bench-smooth: setup-build setup-bench ## time strain smoothing beside gradient descent and fairing
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-smooth
+	$(BUILD)/bench-smooth
+
+.PHONY: test-strain
+test-strain: setup-build setup-reference ## hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/tests/strain
+	@tests/run $(BUILD)/tests/strain
 
 # ---- Cortex-M and RISC-V under an emulator: rules in tests/target/target.mk, guide in docs/target.md
 TARGET := $(MAKE) -f tests/target/target.mk --output-sync=target

@@ -92,6 +92,11 @@ class Settings {
         items_[size_] = {reg, value, mask};
         ++size_;
     }
+    /// Another value for a register that is already in the list, all bits of it.
+    void replace(std::uint8_t reg, std::uint8_t value) noexcept {
+        for (std::size_t i = 0; i < size_; ++i)
+            if (items_[i].reg == reg) items_[i] = {reg, value, 0xFF};
+    }
     template <class Bus>
     Status write(const Registers<Bus>& chip) const noexcept {
         for (std::size_t i = 0; i < size_; ++i) {

@@ -4,7 +4,7 @@
 Each function is written as a fixed leading part plus a polynomial in x^2 (or x); the polynomial is the
 Chebyshev interpolant of the remainder on the reduced range, which is within a few per cent of minimax.
 """
-from mpmath import mp, mpf, sqrt, sin, cos, atan, exp, log, pi, tan, chebyfit
+from mpmath import mp, mpf, sqrt, sin, cos, atan, exp, log, pi, chebyfit
 
 mp.dps = 50
 
@@ -36,7 +36,7 @@ def log_rest(z):  # (log((1+s)/(1-s)) - 2 s) / s^3, z = s^2
 RANGES = [  # name, remainder, low, high, terms for float, terms for double
     ("sin", sin_rest, 0, (pi / 4) ** 2, 3, 7),
     ("cos", cos_rest, 0, (pi / 4) ** 2, 3, 7),
-    ("atan", atan_rest, 0, tan(pi / 8) ** 2, 5, 11),
+    ("atan", atan_rest, 0, mpf(1) / 4, 6, 13),
     ("exp", exp_rest, -log(2) / 2, log(2) / 2, 5, 11),
     ("log", log_rest, 0, ((sqrt(2) - 1) / (sqrt(2) + 1)) ** 2, 3, 7),
 ]

@@ -105,8 +105,8 @@ class StrainOrientations {
         return sum;
     }
 
-    std::vector<Quaterniond> solve(int rounds = 200) const {
-        auto q = raw_;
+    std::vector<Quaterniond> solve() const { return solve(raw_); }
+    std::vector<Quaterniond> solve(std::vector<Quaterniond> q, int rounds = 200) const {
         double best = cost(q), damping = 0;
         for (int k = 0; k < rounds; ++k) {
             const Eigen::VectorXd x = step(q, damping);

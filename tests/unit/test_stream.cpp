@@ -1,272 +1,248 @@
-// Every reader of the host simulator: what it takes, what it refuses, and what a cut file leaves.
+// The contract of the stream: every accepted sample within tolerance of the decoded curve, in time,
+// bit for bit.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
-#include <limits>
+#include <memory>
+#include <random>
+#include <vector>
 
-#include "host_sim/spec.hpp"
-#include "host_sim/stream.hpp"
-#include "host_sim/writers.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 using namespace fairlead;
-using namespace fairlead::sim;
 
 namespace {
 
-constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
+struct Config : PipelineConfig {
+    static constexpr std::size_t window = 120;
+};
 
-Recording tracker_recording() {
-    Recording r;
-    r.name = "three";
-    r.format = Format::trk;
-    r.period_s = 1 / 120.0;
-    const std::uint32_t p = flag::position_valid, q = flag::orientation_valid;
-    r.poses = {{8333000, {0.1f, -0.2f, 1.0f / 3}, {0.6f, 0.8f, 0, 0}, p | q},
-               {16667000, {1e-7f, 0, 5}, {}, p},
-               {25000000, {}, {0, 0, -0.6f, 0.8f}, q}};
-    r.poses[2].p_w_m = {};
-    return r;
-}
+template <class Channel>
+struct Store {  // all pieces that a decoder has told, on the host
+    struct Piece {
+        typename Channel::Curve curve;
+        bool begins;
+    };
+    std::vector<Piece> pieces;
+    std::vector<std::int64_t> covered;  // per piece: final up to here
 
-Recording imu_recording() {
-    Recording r;
-    r.name = "imu";
-    r.format = Format::imu;
-    r.period_s = 0.0035;
-    const std::uint32_t all = flag::gyro_valid | flag::accel_valid | flag::mag_valid;
-    for (int i = 0; i < 3; ++i) {
-        const float x = static_cast<float>(i) / 7;
-        r.samples.push_back({i * 3500000, {x, 1, -2}, {0, x, 9.81f}, {20, 3, -x}, all});
-        r.truth.push_back({i * 3500000, {x, x, 1}, {0.8f, 0, 0.6f, 0}, 0});
-        r.moving.push_back(i == 1 ? 1 : 0);
-    }
-    r.truth[0].flags = flag::position_valid | flag::orientation_valid;
-    r.truth[1].flags = flag::position_valid;
-    r.truth[1].q_wb = {};
-    r.truth[2].flags = 0;
-    r.truth[2].p_w_m = {};
-    r.truth[2].q_wb = {};
-    return r;
-}
-
-template <class T>
-void expect_same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-    ASSERT_EQ(a.size(), b.size());
-    for (std::size_t i = 0; i < a.size(); ++i)
-        EXPECT_EQ(std::memcmp(&a[i], &b[i], sizeof(T)), 0) << "record " << i;
-}
-
-std::string message_of(const std::string& bytes) {
-    try {
-        parse_recording(bytes, "x");
-    } catch (const BadData& error) {
-        return error.what();
-    }
-    return {};
-}
-
-template <class T>
-void patch(std::string& bytes, std::size_t offset, T value) {
-    std::memcpy(bytes.data() + offset, &value, sizeof value);
-}
-
-/// Cut at every byte: an error that names the place, and with salvage exactly the complete records.
-void cut_binary_everywhere(const std::string& whole, std::size_t record_size) {
-    for (std::size_t cut = 0; cut < whole.size(); ++cut) {
-        const std::string part = whole.substr(0, cut);
-        ASSERT_NE(message_of(part), "") << cut;
-        const std::size_t complete = cut < 64 ? 0 : (cut - 64) / record_size;
-        if (complete == 0) {
-            ASSERT_THROW(parse_recording(part, "x", Salvage::yes), BadData) << cut;
-            continue;
+    void take(const wire::Link<Channel>& link, const Decoder::Update& update,
+              std::uint32_t tick_ns) {
+        const std::int64_t t0 = link.curve.span.t0_ns;
+        if (update.piece) {
+            if (!update.begins && !update.rejoined && !covered.empty()) covered.back() = t0;
+            pieces.push_back({link.curve, update.begins || update.rejoined});
+            covered.push_back(t0);
         }
-        const Recording r = parse_recording(part, "x", Salvage::yes);
-        ASSERT_EQ(r.size(), complete) << cut;
-        const std::string offset = "byte " + std::to_string(64 + complete * record_size) + ":";
-        ASSERT_NE(r.damage.find(offset), std::string::npos) << r.damage;
+        covered.back() = t0 + std::int64_t{link.cover_ticks} * tick_ns;
     }
+
+    bool at(std::int64_t t, std::uint32_t tick_ns, const typename Channel::Scale& scale,
+            typename Channel::Value& value) const {
+        for (std::size_t i = pieces.size(); i-- > 0;) {
+            if (pieces[i].curve.span.t0_ns > t) continue;
+            if (t > covered[i]) return false;
+            const Polynomial<Channel::dimension, Channel::order> p{pieces[i].curve.span};
+            value = pieces[i].curve.value(p(ticks_between(pieces[i].curve.span.t0_ns, t, tick_ns)),
+                                          scale);
+            return true;
+        }
+        return false;
+    }
+};
+
+struct Player {
+    std::unique_ptr<Decoder> decoder = std::make_unique<Decoder>();
+    Store<VectorChannel<3>> position;
+    Store<OrientationChannel> orientation;
+
+    void push(const std::uint8_t* data, std::size_t size) {
+        for (std::size_t i = 0; i < size; ++i)
+            if (decoder->push(data[i])) drain();
+    }
+    void finish() {
+        if (decoder->finish()) drain();
+    }
+    void drain() {
+        do {
+            Decoder::Update update;
+            while (decoder->next(update)) {
+                if (update.channel == Decoder::Channel::position)
+                    position.take(decoder->position(), update, decoder->tick_ns());
+                else
+                    orientation.take(decoder->orientation(), update, decoder->tick_ns());
+            }
+        } while (decoder->more());
+    }
+    bool at(std::int64_t t, std::array<float, 3>& p) const {
+        return position.at(t, decoder->tick_ns(), decoder->position().scale, p);
+    }
+    bool at(std::int64_t t, Quat& q) const {
+        return orientation.at(t, decoder->tick_ns(), decoder->orientation().scale, q);
+    }
+};
+
+/// Smooth motion with rests, one-channel drop-outs, gaps, teleports and noise.
+std::vector<Pose> motion(unsigned seed, std::size_t n) {
+    std::mt19937 random{seed};
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform;
+    std::vector<Pose> out;
+    double t = 100, a[3] = {}, v[3] = {}, p[3] = {0.3, -1, 0.8}, w[3] = {};
+    Quat q;
+    std::size_t position_off = 0, orientation_off = 0, rest = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double h = (1 + 0.2 * (uniform(random) - 0.5)) / 120;
+        t += h;
+        if (uniform(random) < 0.002) t += 0.5 * uniform(random);
+        if (uniform(random) < 0.003) rest = 150;
+        if (uniform(random) < 0.001) p[0] += normal(random);
+        if (uniform(random) < 0.003) position_off = 30;
+        if (uniform(random) < 0.003) orientation_off = 5;
+        const double move = rest > 0 ? 0.0 : 1.0;
+        for (int d = 0; d < 3; ++d) {
+            a[d] += (-a[d] * 3 - v[d] * 4) * h + 6 * std::sqrt(h) * normal(random);
+            v[d] = move * (v[d] + a[d] * h);
+            p[d] += v[d] * h;
+            w[d] = move * (w[d] * (1 - h) + 4 * std::sqrt(h) * normal(random));
+        }
+        q = normalised(q * from_rotation_vector(Vec3{static_cast<float>(w[0] * h),
+                                                     static_cast<float>(w[1] * h),
+                                                     static_cast<float>(w[2] * h)}));
+        Pose pose;
+        pose.t_ns = static_cast<std::int64_t>(t * 1e9);
+        pose.p_w_m = {static_cast<float>(p[0] + 1e-4 * normal(random)),
+                      static_cast<float>(p[1] + 1e-4 * normal(random)),
+                      static_cast<float>(p[2] + 1e-4 * normal(random))};
+        pose.q_wb = q;
+        if (position_off == 0) pose.flags |= flag::position_valid;
+        if (orientation_off == 0) pose.flags |= flag::orientation_valid;
+        position_off -= position_off > 0;
+        orientation_off -= orientation_off > 0;
+        rest -= rest > 0;
+        out.push_back(pose);
+    }
+    return out;
+}
+
+struct Encoded {
+    std::vector<std::uint8_t> bytes;
+    std::vector<std::size_t> present;  // bytes after each record
+    std::vector<Pose> accepted;        // per record; no flags where refused
+};
+
+Encoded run(const std::vector<Pose>& poses, const EncoderParams& encoder) {
+    Pipeline<Config>::Params params;
+    params.encoder = encoder;
+    const auto pipeline = std::make_unique<Pipeline<Config>>(params);
+    Encoded out;
+    const auto take = [&](const Bytes& b) {
+        out.bytes.insert(out.bytes.end(), b.data, b.data + b.size);
+    };
+    for (const Pose& pose : poses) {
+        take(pipeline->push(pose));
+        out.present.push_back(out.bytes.size());
+        out.accepted.push_back(pipeline->filtered() ? *pipeline->filtered() : Pose{});
+    }
+    for (Bytes b = pipeline->flush(); !b.empty(); b = pipeline->flush()) take(b);
+    return out;
+}
+
+double angle(const Quat& a, const Quat& b) {
+    const BasicQuat<double> p{a.w, a.x, a.y, a.z}, q{b.w, b.x, b.y, b.z};
+    return rotation_angle(normalised(p), normalised(q));
 }
 
 }  // namespace
 
-TEST(Stream, TrkComesBackBitForBit) {
-    const Recording written = tracker_recording();
-    const Recording read = parse_recording(to_trk(written), "file.trk");
-    EXPECT_EQ(read.name, "three");
-    EXPECT_EQ(read.format, Format::trk);
-    EXPECT_EQ(read.period_s, written.period_s);
-    expect_same_bits(read.poses, written.poses);
-}
+TEST(Stream, KeepsEverySampleWithinToleranceAndInTime) {
+    for (unsigned seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        std::minstd_rand random{seed * 77};
+        EncoderParams params;
+        const float mm = 0.0003f * static_cast<float>(1 + random() % 20);
+        params.tol_position_m = {mm, 2 * mm, mm / 3};
+        params.tol_orientation_rad = 0.002f * static_cast<float>(1 + random() % 20);
+        params.delay_max = static_cast<std::uint32_t>(20 + random() % 100);
+        params.slice = static_cast<std::uint32_t>(random() % 6);
+        const auto poses = motion(seed, 1500);
+        const Encoded out = run(poses, params);
 
-TEST(Stream, ImuComesBackBitForBitWithTruthBeside) {
-    const Recording written = imu_recording();
-    const Recording read = parse_recording(to_imu(written), "file.imu");
-    EXPECT_EQ(read.format, Format::imu);
-    EXPECT_DOUBLE_EQ(read.period_s, 0.0035);
-    expect_same_bits(read.samples, written.samples);
-    expect_same_bits(read.truth, written.truth);
-    EXPECT_EQ(read.moving, written.moving);
-    EXPECT_TRUE(read.poses.empty()) << "the reference is truth, never input";
-    EXPECT_THROW(poses_of(read), BadData);
-}
-
-TEST(Stream, BinaryCutAtEveryByte) {
-    cut_binary_everywhere(to_trk(tracker_recording()), 36);
-    cut_binary_everywhere(to_imu(imu_recording()), 72);
-}
-
-TEST(Stream, BinaryHeaderIsChecked) {
-    const std::string good = to_trk(tracker_recording());
-    const auto with = [&](std::size_t offset, auto value) {
-        std::string bytes = good;
-        patch(bytes, offset, value);
-        return message_of(bytes);
-    };
-    EXPECT_NE(with(0, 'X').find("byte 0: neither"), std::string::npos);
-    EXPECT_NE(with(4, std::uint32_t{2}).find("byte 4: version 2"), std::string::npos);
-    EXPECT_NE(with(12, std::uint32_t{72}).find("byte 12: records of 72"), std::string::npos);
-    EXPECT_NE(with(16, std::nan("")).find("byte 16"), std::string::npos);
-    EXPECT_NE(with(8, std::uint32_t{4}).find("byte 172: record 3 of 4"), std::string::npos);
-    EXPECT_NE(with(8, std::uint32_t{2}).find("byte 136: bytes after"), std::string::npos);
-    EXPECT_NE(with(8, std::uint32_t{0}), "");
-}
-
-TEST(Stream, ValuesThatAreNoNumbersArePassedOn) {  // Intake meets them, not the reader
-    std::string bytes = to_trk(tracker_recording());
-    patch(bytes, 64 + 8, nan_f);
-    EXPECT_TRUE(std::isnan(parse_recording(bytes, "x").poses[0].p_w_m.x));
-    const Recording text = parse_recording("1,nan,0,0,1,0,0,inf\n", "x");
-    EXPECT_TRUE(std::isnan(text.poses[0].p_w_m.x));
-    EXPECT_TRUE(std::isinf(text.poses[0].q_wb.z));
-}
-
-TEST(Stream, TimeOf32BitsIsUnwrapped) {
-    Recording r = tracker_recording();
-    const std::int64_t wrap_ns = (std::int64_t{1} << 32) * 1000;
-    for (Pose& pose : r.poses) pose.t_ns += wrap_ns - 20000000;
-    r.poses.push_back(r.poses.back());
-    r.poses.back().t_ns -= 3000000;  // backward stays backward
-    const Recording read = parse_recording(to_trk(r), "x");
-    for (std::size_t i = 1; i < r.size(); ++i)
-        EXPECT_EQ(read.t_ns(i) - read.t_ns(0), r.t_ns(i) - r.t_ns(0));
-}
-
-TEST(Stream, PosesCsvComesBackBitForBit) {
-    const Recording written = tracker_recording();
-    const Recording read = parse_recording(to_poses_csv(written.poses), "some/where/file.csv");
-    EXPECT_EQ(read.name, "file");
-    EXPECT_EQ(read.format, Format::poses_csv);
-    expect_same_bits(read.poses, written.poses);
-}
-
-TEST(Stream, EurocImuComesBackBitForBit) {
-    Recording written = imu_recording();
-    for (Sample& s : written.samples) {
-        s.mag_uT = {};
-        s.flags = flag::gyro_valid | flag::accel_valid;
-    }
-    const Recording read = parse_recording(to_euroc_imu(written.samples), "x");
-    EXPECT_EQ(read.format, Format::euroc_imu);
-    expect_same_bits(read.samples, written.samples);
-    EXPECT_DOUBLE_EQ(read.period_s, 0.0035);
-}
-
-TEST(Stream, EurocGroundTruthHasMoreColumns) {
-    const Recording read = parse_recording(
-        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
-        "q_RS_z [], v_RS_R_x [m s^-1], bw, ba\r\n"
-        "1403636580838555648,4.688319,-1.786938,0.783338,0.534108,-0.153029,-0.827383,-0.082152,"
-        "-0.027876,0.033207,0.800006\r\n",
-        "x");
-    ASSERT_EQ(read.poses.size(), 1u);
-    EXPECT_EQ(read.poses[0].t_ns, 1403636580838555648);
-    EXPECT_EQ(read.poses[0].p_w_m.y, -1.786938f);
-    EXPECT_EQ(read.poses[0].q_wb.w, 0.534108f);
-    EXPECT_EQ(read.poses[0].q_wb.z, -0.082152f);
-}
-
-TEST(Stream, TumKeepsNanosecondsAndWritesScalarLast) {
-    std::vector<Pose> poses = tracker_recording().poses;
-    poses[0].t_ns = 1403636579763555584;
-    poses.resize(1);
-    const std::string text = to_tum(poses);
-    EXPECT_EQ(text,
-              "# t tx ty tz qx qy qz qw\n"
-              "1403636579.763555584 0.100000001 -0.200000003 0.333333343 0.800000012 0 0 "
-              "0.600000024\n");
-    expect_same_bits(parse_recording(text, "x").poses, poses);
-    EXPECT_EQ(parse_recording("-0.5 0 0 0 0 0 0 1\n", "x").poses[0].t_ns, -500000000);
-    EXPECT_EQ(parse_recording("1.4e9 0 0 0 0 0 0 1\n", "x").poses[0].t_ns, 1400000000000000000);
-    EXPECT_EQ(parse_recording("3 0 0 0 0 0 0 1\n", "x").poses[0].t_ns, 3000000000);
-    EXPECT_EQ(parse_recording("0.0000000006 0 0 0 0 0 0 1\n", "x").poses[0].t_ns, 1);
-}
-
-TEST(Stream, TumLeavesOutWhatItCannotSay) {
-    const auto poses = tracker_recording().poses;  // both, position only, orientation only
-    EXPECT_EQ(parse_recording(to_tum(poses), "x").size(), 1u);
-    const std::vector<Pose> orientation_only{poses[2]};
-    const Recording read = parse_recording(to_tum(orientation_only), "x");
-    ASSERT_EQ(read.size(), 1u);
-    EXPECT_EQ(read.poses[0].p_w_m.x, 0);
-    EXPECT_EQ(read.poses[0].q_wb.y, -0.6f);
-}
-
-TEST(Stream, TextErrorsNameTheLine) {
-    const auto says = [](const std::string& text, const std::string& what) {
-        const std::string message = message_of(text);
-        EXPECT_NE(message.find(what), std::string::npos) << message;
-    };
-    const std::string good = "1,0,0,0,1,0,0,0\n";
-    says(good + "2,0,zero,0,1,0,0,0\n", "line 2: 'zero' is not a number");
-    says("# comment\n\n" + good + "2,0,0,0,1,0,0\n", "line 4: 7 columns, expected 8");
-    says(good + "2.5,0,0,0,1,0,0,0\n", "line 2: '2.5' is not a time in nanoseconds");
-    says(good + "99999999999999999999,0,0,0,1,0,0,0\n", "line 2: ");
-    says(good + "2,0,0,,1,0,0,0\n", "line 2: '' is not a number");
-    says(good + "2,0,0,0.1.2,1,0,0,0\n", "line 2: '0.1.2' is not a number");
-    says("1 2 3\n", "line 1: no known layout has 3 columns");
-    says("1,2,3,4,5,6\n", "line 1: no known layout has 6 columns");
-    says("1,5 0 0 0 0 0 0 1\n", "line 1: ");
-    says("1.0 0 0 0 0 0 0 1\n1.x 0 0 0 0 0 0 1\n", "line 2: '1.x' is not a time");
-    says("--1 0 0 0 0 0 0 1\n", "line 1: '--1' is not a time");
-    says("99999999999 0 0 0 0 0 0 1\n", "line 1: ");
-    says("", "holds no records");
-    says("# only a comment\n", "holds no records");
-    EXPECT_EQ(parse_recording(good + "2,0,zero,0,1,0,0,0\n", "x", Salvage::yes).size(), 1u);
-}
-
-/// A cut text can end in a shorter number that still reads: that record is used, with a note.
-TEST(Stream, TextCutAtEveryByte) {
-    for (const std::string& whole :
-         {to_poses_csv(tracker_recording().poses), to_tum(tracker_recording().poses),
-          to_euroc_imu(imu_recording().samples)}) {
-        const Recording full = parse_recording(whole, "x");
-        for (std::size_t cut = 0; cut < whole.size(); ++cut) {
-            const std::string part = whole.substr(0, cut);
-            std::size_t complete = 0;
-            for (std::size_t i = whole.find('\n') + 1; i < part.size(); ++i)
-                if (part[i] == '\n') ++complete;
-            Recording r;
-            try {
-                r = parse_recording(part, "x", Salvage::yes);
-            } catch (const BadData&) {
-                ASSERT_EQ(complete, 0u) << cut;
-                continue;
+        Player final_curve, prefix;
+        final_curve.push(out.bytes.data(), out.bytes.size());
+        ASSERT_EQ(final_curve.decoder->counters().damaged, 0u);
+        std::size_t fed = 0;
+        for (std::size_t i = 0; i < poses.size() + params.delay_max; ++i) {
+            const std::size_t to = i < poses.size() ? out.present[i] : out.bytes.size();
+            prefix.push(out.bytes.data() + fed, to - fed);
+            fed = to;
+            if (i < params.delay_max) continue;
+            const Pose& in = out.accepted[i - params.delay_max];
+            if (in.flags & flag::position_valid) {
+                std::array<float, 3> p, early;
+                ASSERT_TRUE(final_curve.at(in.t_ns, p)) << "record " << i - params.delay_max;
+                ASSERT_TRUE(prefix.at(in.t_ns, early)) << "record " << i - params.delay_max;
+                ASSERT_EQ(std::memcmp(&p, &early, sizeof p), 0);
+                const float s[3] = {in.p_w_m.x, in.p_w_m.y, in.p_w_m.z};
+                const double tol[3] = {double{params.tol_position_m[0]},
+                                       double{params.tol_position_m[1]},
+                                       double{params.tol_position_m[2]}};
+                for (std::size_t d = 0; d < 3; ++d)
+                    ASSERT_LE(std::fabs(double{p[d]} - double{s[d]}), tol[d]);
             }
-            ASSERT_TRUE(r.size() == complete || (r.size() == complete + 1 && !r.note.empty()))
-                << cut << ": " << r.size() << " of " << complete;
-            for (std::size_t i = 0; i < complete; ++i) ASSERT_EQ(r.t_ns(i), full.t_ns(i));
+            if (in.flags & flag::orientation_valid) {
+                Quat q, early;
+                ASSERT_TRUE(final_curve.at(in.t_ns, q));
+                ASSERT_TRUE(prefix.at(in.t_ns, early));
+                ASSERT_EQ(std::memcmp(&q, &early, sizeof q), 0);
+                ASSERT_LE(angle(q, in.q_wb), double{params.tol_orientation_rad});
+            }
         }
     }
 }
 
-TEST(Stream, FormatIsChosenByContentAndExtension) {
-    const Recording tracker = tracker_recording(), imu = imu_recording();
-    EXPECT_EQ(parse_recording(to_file(tracker, "a.trk"), "a.csv").format, Format::trk);
-    EXPECT_EQ(parse_recording(to_file(tracker, "a.csv"), "a").format, Format::poses_csv);
-    EXPECT_EQ(parse_recording(to_file(imu, "a.csv"), "a").format, Format::euroc_imu);
-    EXPECT_EQ(parse_recording(to_file(imu, "a.imu"), "a").format, Format::imu);
-    EXPECT_THROW(to_file(imu, "a.trk"), BadSpec);
-    EXPECT_THROW(to_file(tracker, "a.imu"), BadSpec);
-    EXPECT_THROW(to_file(tracker, "a"), BadSpec);
+TEST(Stream, NoticesEveryFlippedBitAndComesBackAtTheNextRestart) {
+    const auto poses = motion(3, 900);
+    EncoderParams params;
+    params.restart_interval_ns = 1000000000;
+    const Encoded out = run(poses, params);
+    Player clean;
+    clean.push(out.bytes.data(), out.bytes.size());
+    std::mt19937 random{5};
+    for (int trial = 0; trial < 300; ++trial) {
+        auto bytes = out.bytes;
+        const std::size_t at = random() % bytes.size();
+        bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ (1u << random() % 8));
+        Player player;
+        player.push(bytes.data(), bytes.size());
+        player.finish();
+        SCOPED_TRACE(testing::Message() << "byte " << at << " of " << bytes.size());
+        ASSERT_LT(player.decoder->counters().frames, clean.decoder->counters().frames);
+        std::size_t known = 0;
+        for (const Pose& pose : out.accepted) {
+            std::array<float, 3> p, q;
+            if (!(pose.flags & flag::position_valid) || !player.at(pose.t_ns, p)) continue;
+            ++known;
+            ASSERT_TRUE(clean.at(pose.t_ns, q));
+            ASSERT_EQ(std::memcmp(&p, &q, sizeof p), 0) << "a wrong value was believed";
+        }
+        if (at + 800 < bytes.size()) {
+            ASSERT_GT(known, 0u);
+        }
+    }
+}
+
+TEST(Stream, CutAnywhereGivesAllFramesBeforeTheCut) {
+    const Encoded out = run(motion(4, 400), {});
+    Player growing;
+    for (std::size_t cut = 0; cut < out.bytes.size(); ++cut) {
+        Player player;
+        player.push(out.bytes.data(), cut);
+        player.finish();
+        ASSERT_EQ(player.decoder->counters().frames, growing.decoder->counters().frames);
+        ASSERT_EQ(player.position.pieces.size(), growing.position.pieces.size());
+        growing.push(&out.bytes[cut], 1);
+    }
 }

@@ -34,13 +34,17 @@ template <>
 struct Coefficients<float> {
     static constexpr float sin[] = {-0.1666666466f, 0.008332748271f, -0.0001958789088f};
     static constexpr float cos[] = {0.04166666466f, -0.001388830304f, 2.454794209e-5f};
-    static constexpr float atan[] = {-0.3333333176f, 0.1999954048f, -0.142639556f, 0.1074373149f,
-                                     -0.06451928208f};
+    static constexpr float atan[] = {-0.333333329f, 0.1999987525f,   -0.142798011f,
+                                     0.1100688068f, -0.08235505764f, 0.04225685963f};
     static constexpr float exp[] = {0.5f, 0.1666657703f, 0.04166655466f, 0.008363173075f,
                                     0.001392617612f};
     static constexpr float log[] = {0.6666668504f, 0.3998878057f, 0.2957994939f};
     // pi/2 and ln 2 in parts whose products with small integers are exact
     static constexpr float half_pi[] = {1.5703125f, 4.837512969970703125e-4f, 7.549789954891e-8f};
+    // k pi/4 and what its rounding left out
+    static constexpr float eighths[] = {0, 0.785398185f, 1.57079637f, 2.3561945f, 3.14159274f};
+    static constexpr float eighths_rest[] = {0, -2.18556941e-8f, -4.37113883e-8f, -5.96244032e-9f,
+                                             -8.74227766e-8f};
     static constexpr float ln2[] = {0.693359375f, -2.12194440e-4f};
     static constexpr float round_to_integer = 12582912.0f;  // 1.5 * 2^23
     static constexpr int mantissa_bits = 23;
@@ -59,9 +63,11 @@ struct Coefficients<double> {  // the reference instance of the tests
                                      2.08767557910804238e-9,   -1.14704608876099591e-11,
                                      4.74587190204329154e-14};
     static constexpr double atan[] = {
-        -0.333333333333333302,  0.199999999999955207,  -0.142857142846665429, 0.111111110152563617,
-        -0.0909090457812390189, 0.0769218319082608656, -0.06664511447381948,  0.0585814891280220988,
-        -0.0508544973794025986, 0.0392316582955871913, -0.019176887119062259};
+        -0.33333333333333333,   0.199999999999994879,   -0.14285714285599188,
+        0.111111111009173751,   -0.0909090862032252225, 0.0769229471254028448,
+        -0.0666643567723594782, 0.0587957842958242486,  -0.0524009950799471311,
+        0.0462802486857015324,  -0.0380665367205736591, 0.0250065035664895075,
+        -0.0092157920470898591};
     static constexpr double exp[] = {0.5,
                                      0.16666666666666671,
                                      0.0416666666666666698,
@@ -78,6 +84,10 @@ struct Coefficients<double> {  // the reference instance of the tests
         0.181828891252617221, 0.153317216005560413, 0.146164496850434059};
     static constexpr double half_pi[] = {1.57079632673412561417, 6.07710050630396597660e-11,
                                          2.02226624879595063154e-21};
+    static constexpr double eighths[] = {0, 0.78539816339744828, 1.5707963267948966,
+                                         2.3561944901923448, 3.1415926535897931};
+    static constexpr double eighths_rest[] = {0, 3.061616997868383e-17, 6.123233995736766e-17,
+                                              9.1848509936051484e-17, 1.2246467991473532e-16};
     static constexpr double ln2[] = {6.93147180369123816490e-1, 1.90821492927058770002e-10};
     static constexpr double round_to_integer = 6755399441055744.0;  // 1.5 * 2^52
     static constexpr int mantissa_bits = 52;
@@ -140,7 +150,8 @@ constexpr SinCos<Real> sin_cos(Real x) noexcept {
     const Real r = ((x - turns * C::half_pi[0]) - turns * C::half_pi[1]) - turns * C::half_pi[2];
     const Real z = r * r;
     const Real s = r + r * z * detail::polynomial(C::sin, z);
-    const Real c = (1 - z / 2) + z * z * detail::polynomial(C::cos, z);
+    const Real half = z / 2, one_less = 1 - half;
+    const Real c = one_less + (((1 - one_less) - half) + z * z * detail::polynomial(C::cos, z));
     switch (static_cast<std::int32_t>(turns) & 3) {
         case 0: return {s, c};
         case 1: return {c, -s};
@@ -168,18 +179,21 @@ constexpr Real atan2(Real y, Real x) noexcept {
     const bool steep = ay > ax;
     const Real low = steep ? ax : ay, high = steep ? ay : ax;
     if (high == 0) return 0;
-    // first octant, then below pi/8 by atan(t) = pi/4 + atan((t - 1) / (t + 1))
-    constexpr Real tan_pi_8 = static_cast<Real>(0.41421356237309504880);
+    // first octant, then |t| <= 1/2 by atan(t) = pi/4 + atan((t - 1) / (t + 1)): from 1/2 on the
+    // numerator is exact
     const bool infinite = !is_finite(high);
     const Real lo = infinite ? (is_finite(low) ? Real{0} : Real{1}) : low;
     const Real hi = infinite ? Real{1} : high;
-    const bool folded = lo > tan_pi_8 * hi;
+    const bool folded = lo > hi / 2;
     const Real t = folded ? (lo - hi) / (lo + hi) : lo / hi;
-    const Real z = t * t;
-    Real angle = t + t * z * detail::polynomial(C::atan, z);
-    if (folded) angle += pi_v<Real> / 4;
-    if (steep) angle = pi_v<Real> / 2 - angle;
-    if (x < 0) angle = pi_v<Real> - angle;
+    // the angle is a multiple of pi/4, in two parts, and plus or minus atan(t)
+    std::size_t eighths = folded ? 1 : 0;
+    bool minus = false;
+    if (steep) eighths = 2 - eighths, minus = !minus;
+    if (x < 0) eighths = 4 - eighths, minus = !minus;
+    const Real z = t * t, r = minus ? -t : t;
+    const Real angle = C::eighths[eighths] +
+                       (r + (C::eighths_rest[eighths] + r * z * detail::polynomial(C::atan, z)));
     return y < 0 ? -angle : angle;
 }
 
@@ -237,9 +251,11 @@ inline Real log(Real x) noexcept {
         m /= 2;
         ++exponent;
     }
-    const Real s = (m - 1) / (m + 1), z = s * s;
+    // log(1 + f) = 2 s + s R with s = f / (2 + f), written so that the rounding of s hardly counts
+    const Real f = m - 1, s = f / (2 + f), z = s * s, half = f * f / 2;
     const auto e = static_cast<Real>(exponent);
-    return e * C::ln2[0] + ((s + s) + (s * z * detail::polynomial(C::log, z) + e * C::ln2[1]));
+    const Real rest = s * (half + z * detail::polynomial(C::log, z)) + e * C::ln2[1];
+    return e * C::ln2[0] - ((half - rest) - f);
 }
 
 }  // namespace approx

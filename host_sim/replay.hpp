@@ -1,0 +1,54 @@
+#pragma once
+// What a replay of a recording through the library brought to light: the reduced curve beside what
+// went in, judged in double from the emitted bytes alone, as a decoder on the far end has them.
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fairlead/math/approx.hpp"
+#include "host_sim/stream.hpp"
+
+namespace fairlead::sim {
+
+struct ReplayOptions {
+    std::string filter;                      // SPEC; empty: none
+    double tol_pos_m{1e-3};                  // per axis
+    double tol_rot_rad{pi_v<double> / 720};  // full rotation angle: 0.25 deg
+    std::uint32_t delay_max{120};
+    bool position{true}, orientation{true};  // channels that are reduced
+};
+
+/// One channel, judged at every accepted record in which it is valid.
+struct ChannelResult {
+    std::size_t samples{};          // records that hold the channel
+    std::size_t curves{}, knots{};  // knots: interior ones, with multiplicity
+    std::size_t control_points{};   // order + knots, summed over the curves
+    std::size_t breaks{};           // knots of full multiplicity within a motion
+    std::size_t bytes{};            // of the frames, or shares of frames, that carry it
+    std::size_t violations{};       // samples outside tolerance, or without a curve: must be 0
+    double max_error{};             // m per axis, or rad: against the reducer's input
+    double max_raw{}, rms_raw{};    // distance to the raw samples, per axis or angle
+    std::uint32_t max_delay{};      // records
+    double mean_delay{}, max_delay_ms{};
+    std::vector<std::int64_t> knot_ns;
+    std::vector<double> error;         // one per record; NaN where the channel is not valid
+    std::vector<std::uint32_t> delay;  // one per record
+};
+
+struct Replay {
+    std::string name;
+    ReplayOptions options;
+    double seconds{};
+    std::size_t records_in{}, bytes_in{};
+    std::vector<Pose> raw;                 // accepted by Intake
+    std::vector<Pose> input;               // what the reducer was given: raw, or filtered
+    std::vector<Pose> decoded;             // the curve of the stream at the times of `input`
+    std::string stream;                    // the emitted bytes
+    std::vector<std::size_t> stream_size;  // after each record
+    ChannelResult position, orientation;
+    std::vector<std::pair<std::string, std::size_t>> faults;  // by kind
+    std::size_t filter_delay{};                               // records
+};
+
+}  // namespace fairlead::sim

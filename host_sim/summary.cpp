@@ -1,0 +1,98 @@
+#include "host_sim/summary.hpp"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+
+#include "fairlead/math/approx.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+constexpr double deg = 180 / pi_v<double>;
+
+[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
+    char line[256];
+    std::va_list arguments;
+    va_start(arguments, format);
+    std::vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    return line;
+}
+
+std::string per_channel(const ChannelResult& channel, const std::string& value) {
+    return channel.samples == 0 ? "-" : value;
+}
+
+template <class Format>
+Row row(const Replay& replay, const char* name, Format format) {
+    return {name, per_channel(replay.position, format(replay.position)),
+            per_channel(replay.orientation, format(replay.orientation)), false};
+}
+
+}  // namespace
+
+std::string grouped(std::size_t n) {
+    std::string digits = std::to_string(n);
+    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, " ");
+    return digits;
+}
+
+std::string faults_text(const Replay& replay) {
+    std::string out;
+    for (const auto& [kind, count] : replay.faults)
+        if (count > 0) out += (out.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
+    return out.empty() ? "none" : out;
+}
+
+std::vector<Row> summary_rows(const Replay& replay) {
+    const auto& o = replay.options;
+    std::vector<Row> rows;
+    const auto whole = [&](const char* name, const std::string& value) {
+        rows.push_back({name, value, "", true});
+    };
+    const auto both = [&](const char* name, const std::string& p, const std::string& r) {
+        rows.push_back(
+            {name, per_channel(replay.position, p), per_channel(replay.orientation, r), false});
+    };
+    const ChannelResult &p = replay.position, &r = replay.orientation;
+    whole("records in", grouped(replay.records_in) + text(" in %.1f s", replay.seconds));
+    whole("faults", faults_text(replay));
+    if (!o.filter.empty())
+        whole("filter", o.filter + text(", %zu records of latency", replay.filter_delay));
+    rows.push_back(row(replay, "samples", [](const auto& c) { return grouped(c.samples); }));
+    rows.push_back(
+        row(replay, "control points", [](const auto& c) { return grouped(c.control_points); }));
+    rows.push_back(row(replay, "curves, knots",
+                       [](const auto& c) { return grouped(c.curves) + ", " + grouped(c.knots); }));
+    both("tolerance", text("%.4g mm", o.tol_pos_m * 1e3), text("%.4g deg", o.tol_rot_rad * deg));
+    both("largest error", text("%.4f mm", p.max_error * 1e3), text("%.4f deg", r.max_error * deg));
+    rows.push_back(
+        row(replay, "samples outside", [](const auto& c) { return grouped(c.violations); }));
+    both("largest distance to raw", text("%.4f mm", p.max_raw * 1e3),
+         text("%.4f deg", r.max_raw * deg));
+    both("rms distance to raw", text("%.4f mm", p.rms_raw * 1e3),
+         text("%.4f deg", r.rms_raw * deg));
+    rows.push_back(row(replay, "largest delay", [](const auto& c) {
+        return text("%u records, %.0f ms", c.max_delay, c.max_delay_ms);
+    }));
+    rows.push_back(row(replay, "mean delay",
+                       [](const auto& c) { return text("%.1f records", c.mean_delay); }));
+    const double ratio = replay.stream.empty() ? 0
+                                               : static_cast<double>(replay.bytes_in) /
+                                                     static_cast<double>(replay.stream.size());
+    whole("bytes in", grouped(replay.bytes_in));
+    whole("bytes out", grouped(replay.stream.size()) + text(", %.1f times fewer", ratio));
+    return rows;
+}
+
+std::string summary_table(const Replay& replay) {
+    std::string out = text("%-24s %20s %20s\n", "", "position", "orientation");
+    for (const Row& r : summary_rows(replay))
+        out += r.whole ? text("%-24s %s\n", r.name.c_str(), r.position.c_str())
+                       : text("%-24s %20s %20s\n", r.name.c_str(), r.position.c_str(),
+                              r.orientation.c_str());
+    return out;
+}
+
+}  // namespace fairlead::sim

@@ -1,0 +1,74 @@
+#pragma once
+// The whole way of the data as one type: intake -> filter -> reduce -> codec.
+//
+// The firmware, the gateway and the host simulator run this very type. All memory is in the object;
+// work per push is bounded by the configuration (BOUNDS.md).
+#include <cstddef>
+
+#include "fairlead/base/types.hpp"
+#include "fairlead/sense/intake.hpp"
+#include "fairlead/smooth/filter.hpp"
+#include "fairlead/wire/encoder.hpp"
+
+namespace fairlead {
+
+/// Leaves poses as they are.
+struct NoFilter {
+    static constexpr std::size_t latency = 0;
+    static std::optional<Pose> push(const Pose& pose) noexcept { return pose; }
+    static std::optional<Pose> flush() noexcept { return std::nullopt; }
+    static void reset() noexcept {}
+};
+
+/// What a configuration names; derive from it or write your own.
+struct PipelineConfig {
+    using Filter = NoFilter;
+    static constexpr std::size_t window = 64;  // ring capacity of the reducers, in records
+};
+
+template <class Config>
+class Pipeline {
+  public:
+    using Filter = typename Config::Filter;
+    using Encoding = Encoder<Config::window>;
+    struct Params {
+        IntakeParams intake{};
+        Filter filter{};
+        EncoderParams encoder{};
+    };
+
+    explicit Pipeline(const Params& params) noexcept
+        : intake_{params.intake}, filter_{params.filter}, encoder_{params.encoder} {}
+
+    /// One raw record. @return the frames that it completed, possibly none; valid until the next
+    /// call.
+    Bytes push(const Pose& raw) noexcept {
+        filtered_.reset();
+        const auto pose = intake_.push(raw);
+        if (!pose) return {};
+        filtered_ = filter_.push(*pose);
+        return filtered_ ? encoder_.push(*filtered_) : Bytes{};
+    }
+
+    /// Lets out what is still inside. @return frames; call until there are none.
+    Bytes flush() noexcept {
+        while ((filtered_ = filter_.flush())) {
+            const Bytes bytes = encoder_.push(*filtered_);
+            if (!bytes.empty()) return bytes;
+        }
+        return encoder_.flush();
+    }
+
+    /// What the last push gave to the reducers: the filtered record that the guarantee speaks of.
+    const std::optional<Pose>& filtered() const noexcept { return filtered_; }
+    const Intake<Pose>& intake() const noexcept { return intake_; }
+    const Encoding& encoder() const noexcept { return encoder_; }
+
+  private:
+    Intake<Pose> intake_;
+    Filter filter_;
+    Encoding encoder_;
+    std::optional<Pose> filtered_{};
+};
+
+}  // namespace fairlead

@@ -1,0 +1,316 @@
+#pragma once
+// Streaming knot removal with a hard guarantee.
+//
+// Samples wait in a window of at most N records. What is frozen of the curve goes on as long as it
+// fits; a planned knot becomes final only when the sample that is due lies beyond it. Before a
+// sample counts as covered it is tested against the very polynomial that the decoder will evaluate,
+// in the very arithmetic; when nothing else serves, a knot of full multiplicity starts the curve
+// anew at the sample that is due. So the tolerance never depends on the search, and the search may
+// stop whenever its work is used up. Bounds: memory is sizeof; work per record is `slice` fits plus
+// one advance; delay at most delay_max.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "fairlead/base/status.hpp"
+#include "fairlead/reduce/search.hpp"
+
+namespace fairlead {
+
+template <class Channel>
+struct ReduceParams {
+    typename Channel::Tolerance tol{};  // absolute; per component, or the rotation angle in rad
+    std::uint32_t tick_ns{4000000};     // grid of the knots: at most the smallest sample spacing
+    std::uint32_t delay_max{60};        // records; at most N
+};
+
+/// What an advance made final, for the wire: in this order.
+template <class Channel, std::size_t MaxKnots>
+struct Batch {
+    static constexpr std::size_t D = Channel::dimension;
+    struct Knot {
+        std::uint32_t ticks{};               // after the previous knot
+        std::uint8_t shift{};                // the jump is a multiple of 2^shift
+        std::array<std::int32_t, D> jump{};  // in last places of the highest coefficient, >> shift
+    };
+
+    bool begins{false};     // a curve starts: `start` is its first span
+    bool breaks{false};     // ... in the middle of a motion: a knot of full multiplicity
+    std::uint8_t coarse{};  // log2 of the ticks that the start's rounding was made for
+    typename Channel::Curve start{};
+    std::size_t size{0};
+    std::array<Knot, MaxKnots> knot{};
+    bool covers{false};
+    std::uint32_t cover_ticks{0};  // the curve is final up to here, after the last knot
+};
+
+/// Places by which the start's coefficient of power m is rounded when its first interval is
+/// 2^coarse ticks.
+constexpr int start_shift(std::size_t m, int coarse) noexcept {
+    const int places = fraction_bits(m) - 4 - static_cast<int>(m) * coarse;
+    return places > 0 ? places : 0;
+}
+
+template <class Channel, std::size_t N, std::size_t MaxKnots = 24>
+class Reducer {
+  public:
+    static constexpr std::size_t D = Channel::dimension;
+    static constexpr std::size_t Order = Channel::order;
+    static constexpr std::size_t horizons = 6;
+    static constexpr std::size_t batch_knots = 8;
+    using Value = typename Channel::Value;
+    using Params = ReduceParams<Channel>;
+    using Frozen = Batch<Channel, batch_knots>;
+
+    struct Counters {
+        std::uint32_t samples{0}, knots{0}, curves{0}, breaks{0}, refused{0};
+    };
+
+    Reducer() = default;
+    explicit Reducer(const Params& params) noexcept
+        : params_{params}, scale_{Channel::scale(params.tol)}, judge_{params.tol, scale_} {
+        if (params_.delay_max > N) params_.delay_max = N;
+        if (params_.delay_max < 2) params_.delay_max = 2;
+    }
+
+    /// A record that this channel has a sample in. Room is guaranteed while due() is obeyed.
+    /// A sample closer than a tick to the one before is refused and counted.
+    void push(std::int64_t t_ns, const Value& value, bool starts_curve) noexcept {
+        ++records_;
+        if (any_ && t_ns - last_ns_ < static_cast<std::int64_t>(params_.tick_ns)) {
+            ++counters_.refused;
+            return;
+        }
+        FAIRLEAD_ASSERT(samples_.size < Samples::capacity);
+        const bool starts = starts_curve || !any_;
+        any_ = true;
+        last_ns_ = t_ns;
+        ++counters_.samples;
+        samples_.push(t_ns, records_, starts, value);
+        if (samples_.size == 1 && starts) prepare_curve();
+        if (!ended()) {
+            samples_.express(samples_.size - 1, curve_, frozen_, scale_, params_.tick_ns);
+            search_.extend(view());
+        }
+    }
+
+    /// Any time of the grid of knots, at or before the first sample; before the first push.
+    void set_epoch(std::int64_t t_ns) noexcept { epoch_ns_ = t_ns; }
+
+    /// A record without a sample of this channel: delay counts records.
+    void skip() noexcept { ++records_; }
+
+    /// `slice` pieces of the search, one fit each at most.
+    void work(std::size_t slice) noexcept {
+        for (std::size_t i = 0; i < slice; ++i)
+            if (!search_.step(view())) return;
+    }
+
+    /// Must advance() be called before the next record? True while an ended curve waits, too.
+    bool due() const noexcept {
+        return samples_.size > 0 && (age() >= params_.delay_max || ended());
+    }
+    bool empty() const noexcept { return samples_.size == 0; }
+    /// Records that the oldest uncovered sample has waited.
+    std::uint32_t age() const noexcept { return samples_.size ? records_ - samples_.record[0] : 0; }
+
+    /// Makes the curve final until the oldest uncovered sample is younger than `goal` records, as
+    /// far as the plan goes. Covers at least one sample where there is one.
+    const Frozen& advance(std::uint32_t goal) noexcept {
+        out_ = {};
+        for (std::size_t i = 0; i < 2 * batch_knots + 2; ++i) {
+            if (samples_.size == 0) break;
+            if (!active_) {
+                if (out_.begins || out_.size || out_.covers) break;
+                begin_curve(false);
+                continue;
+            }
+            if (cover(goal)) {
+                if (samples_.size == 0 || !active_ || age() < goal) break;
+            } else if (search_.plan().size > 0 &&
+                       samples_.u[0] >= static_cast<float>(search_.plan().knot[0])) {
+                if (out_.size == batch_knots) break;
+                freeze();
+            } else {
+                if (out_.begins || out_.size || out_.covers) break;
+                begin_curve(true);
+            }
+        }
+        return out_;
+    }
+
+    const typename Channel::Curve& curve() const noexcept { return curve_; }
+    const typename Channel::Scale& scale() const noexcept { return scale_; }
+    const Params& params() const noexcept { return params_; }
+    const Counters& counters() const noexcept { return counters_; }
+    std::uint32_t cover_ticks() const noexcept { return cover_ticks_; }
+    bool active() const noexcept { return active_; }
+
+  private:
+    using Knots = Search<Channel, N, MaxKnots, horizons>;
+    using Samples = typename Knots::Fitter::Samples;
+    using Ahead = typename Knots::Fitter::Ahead;
+
+    /// Samples of the curve that is being built.
+    std::size_t count() const noexcept {
+        for (std::size_t i = 0; i < samples_.size; ++i)
+            if (samples_.starts_curve[i] && (i > 0 || active_)) return i;
+        return samples_.size;
+    }
+    bool ended() const noexcept { return count() < samples_.size; }
+
+    typename Knots::View view() const noexcept {
+        return {samples_,
+                count(),
+                ahead_,
+                frozen_,
+                judge_,
+                !active_,
+                static_cast<std::int32_t>(cover_ticks_)};
+    }
+
+    void express_all() noexcept {
+        const std::size_t n = samples_.size;
+        for (std::size_t i = 0; i < n; ++i)
+            samples_.express(i, curve_, frozen_, scale_, params_.tick_ns);
+    }
+
+    /// Chooses coordinates for a curve that starts at the oldest sample; nothing is final yet.
+    void prepare_curve() noexcept {
+        const std::int64_t t = samples_.t_ns[0];
+        const std::int64_t before = counters_.curves ? curve_.span.t0_ns : epoch_ns_;
+        curve_.begin(scale_, samples_.value[0]);
+        curve_.span.t0_ns = before + (t - before) / params_.tick_ns * params_.tick_ns;
+        active_ = false;
+        cover_ticks_ = 0;
+        frozen_ = {};
+        typename Channel::Witness unused;
+        frozen_.c[0] = curve_.coordinates(samples_.value[0], scale_, unused);
+        search_.reset();
+        express_all();
+    }
+
+    /// The start of a curve becomes final, rounded for the interval it was planned for.
+    void begin_curve(bool breaks) noexcept {
+        if (breaks) {
+            samples_.starts_curve[0] = true;
+            ++counters_.breaks;
+            prepare_curve();
+            for (std::size_t i = 0; i < 60 && search_.plan().covers < view().count; ++i)
+                if (!search_.step(view())) break;
+        }
+        ++counters_.curves;
+        const auto& plan = search_.plan();
+        const float first = plan.size ? static_cast<float>(plan.knot[0]) : samples_.u[count() - 1];
+        out_.coarse = static_cast<std::uint8_t>(first > 1 ? floor_log2(first) + 1 : 0);
+        Polynomial<D, Order> start = frozen_;
+        if (plan.covers > 0) start.c = plan.start;
+        round_start(start);
+        if (!accepted(0)) {  // a constant through the sample always serves
+            out_.coarse = 0;
+            round_start(frozen_);
+        }
+        active_ = true;
+        samples_.starts_curve[0] = false;
+        out_.begins = true;
+        out_.breaks = breaks;
+        out_.start = curve_;
+        frozen_ = Polynomial<D, Order>{curve_.span};
+        express_all();
+        search_.refit(view(), 4);
+    }
+
+    void round_start(const Polynomial<D, Order>& start) noexcept {
+        for (std::size_t m = 0; m < Order; ++m)
+            for (std::size_t d = 0; d < D; ++d) {
+                const int shift = start_shift(m, out_.coarse);
+                const float places = power_of_two(fraction_bits(m) - shift);
+                curve_.span.c[m][d] = to_integer(start.c[m][d] * places) * (1 << shift);
+            }
+    }
+
+    bool accepted(std::size_t i) const noexcept {
+        const Polynomial<D, Order> p{curve_.span};
+        const float u = ticks_between(curve_.span.t0_ns, samples_.t_ns[i], params_.tick_ns);
+        return judge_.accepts(curve_.value(p(u), scale_), samples_.value[i]);
+    }
+
+    /// Takes the leading samples that the frozen polynomial covers. @return whether there was one.
+    bool cover(std::uint32_t goal) noexcept {
+        const auto& plan = search_.plan();
+        const std::size_t n = count();
+        std::size_t k = 0;
+        while (k < n && (plan.size == 0 || samples_.u[k] < static_cast<float>(plan.knot[0])) &&
+               accepted(k)) {
+            ++k;
+            // with knots ahead only what is needed is made final: a later start of the next knot is
+            // open
+            if (plan.size > 0 && records_ - samples_.record[k - 1] < goal) break;
+        }
+        if (k == 0) return false;
+        const float last = samples_.u[k - 1];
+        auto ticks = static_cast<std::uint32_t>(last > 0 ? last : 0);
+        if (static_cast<float>(ticks) < last) ++ticks;
+        out_.covers = true;
+        out_.cover_ticks = cover_ticks_ = ticks;
+        samples_.drop(k);
+        search_.drop(k);
+        if (samples_.size > 0 && samples_.starts_curve[0]) prepare_curve();
+        return true;
+    }
+
+    /// The first planned knot becomes final, its jump rounded to what its interval can bear.
+    void freeze() noexcept {
+        const typename Channel::Curve before = curve_;
+        const auto& plan = search_.plan();
+        const std::int32_t ticks = plan.knot[0];
+        const std::array<float, D> jump = plan.jump[0];
+        const float next =
+            plan.size > 1 ? static_cast<float>(plan.knot[1]) : samples_.u[count() - 1];
+        const float length = next - static_cast<float>(ticks);
+        int shift = fraction_bits(Order - 1) - 3 -
+                    static_cast<int>(Order - 1) * (length > 1 ? floor_log2(length) : 0);
+        shift = shift > 0 ? (shift < 28 ? shift : 28) : 0;
+        search_.froze(ticks);
+        auto& knot = out_.knot[out_.size];
+        for (std::size_t attempt = 0; attempt < 8; ++attempt) {
+            curve_ = before;
+            const float places = power_of_two(fraction_bits(Order - 1) - shift);
+            std::array<std::int32_t, D> applied;
+            for (std::size_t d = 0; d < D; ++d) {
+                knot.jump[d] = to_integer(jump[d] * places);
+                applied[d] = knot.jump[d] * (1 << shift);
+            }
+            curve_.advance(static_cast<std::uint32_t>(ticks), applied, scale_, params_.tick_ns);
+            frozen_ = Polynomial<D, Order>{curve_.span};
+            cover_ticks_ = 0;
+            express_all();
+            knot.shift = static_cast<std::uint8_t>(shift);
+            if (search_.holds(view()) || search_.refit(view(), 4) || shift == 0) break;
+            shift = shift > 4 ? shift - 4 : 0;
+        }
+        knot.ticks = static_cast<std::uint32_t>(ticks);
+        out_.covers = false;
+        ++out_.size;
+        ++counters_.knots;
+    }
+
+    Params params_{};
+    typename Channel::Scale scale_{};
+    typename Channel::Judge judge_{};
+    Samples samples_{};
+    Knots search_{};
+    Ahead ahead_{};
+    typename Channel::Curve curve_{};
+    Polynomial<D, Order> frozen_{};
+    Frozen out_{};
+    Counters counters_{};
+    std::uint32_t records_{0};
+    std::uint32_t cover_ticks_{0};
+    std::int64_t epoch_ns_{0};
+    std::int64_t last_ns_{0};
+    bool any_{false};
+    bool active_{false};
+};
+
+}  // namespace fairlead

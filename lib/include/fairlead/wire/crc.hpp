@@ -1,0 +1,23 @@
+#pragma once
+// CRC-16/CCITT (x^16 + x^12 + x^5 + 1), a nibble at a time: finds every error burst of up to 16
+// bits.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace fairlead {
+
+constexpr std::uint16_t crc16(const std::uint8_t* data, std::size_t size,
+                              std::uint16_t seed) noexcept {
+    constexpr std::uint16_t table[16] = {0x0000, 0x1021, 0x2042, 0x3063, 0x4084, 0x50a5,
+                                         0x60c6, 0x70e7, 0x8108, 0x9129, 0xa14a, 0xb16b,
+                                         0xc18c, 0xd1ad, 0xe1ce, 0xf1ef};
+    unsigned crc = seed;
+    for (std::size_t i = 0; i < size; ++i) {
+        crc = ((crc << 4) ^ table[((crc >> 12) ^ (data[i] >> 4)) & 15u]) & 0xffffu;
+        crc = ((crc << 4) ^ table[((crc >> 12) ^ data[i]) & 15u]) & 0xffffu;
+    }
+    return static_cast<std::uint16_t>(crc);
+}
+
+}  // namespace fairlead

@@ -1,0 +1,174 @@
+#pragma once
+// Poses in, bytes out: both reducers and the frames that carry what they make final.
+//
+// A frame leaves when a sample of either channel is due; what the other channel can give rides
+// along. Restart points at a stated interval hold the whole state, so that a late joiner or a
+// decoder that lost a frame is back in step there, bit for bit.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "fairlead/base/types.hpp"
+#include "fairlead/wire/layout.hpp"
+
+namespace fairlead {
+
+/// Bytes of complete frames; the memory is the encoder's and holds until its next call.
+struct Bytes {
+    const std::uint8_t* data{nullptr};
+    std::size_t size{0};
+    constexpr bool empty() const noexcept { return size == 0; }
+};
+
+struct EncoderParams {
+    std::array<float, 3> tol_position_m{0.001f, 0.001f, 0.001f};
+    float tol_orientation_rad{0.0043633f};
+    std::uint32_t tick_ns{4000000};  // grid of the knots, at most the smallest sample spacing
+    std::uint32_t delay_max{60};     // records
+    std::int64_t restart_interval_ns{2000000000};
+    std::uint32_t slice{4};  // search steps per push and channel
+    bool position{true};
+    bool orientation{true};
+};
+
+/// N: ring capacity in samples, the largest delay_max. Memory: sizeof. Work per push: `slice`
+/// search steps and at most one advance per channel.
+template <std::size_t N>
+class Encoder {
+  public:
+    using PositionReducer = Reducer<VectorChannel<3>, N>;
+    using OrientationReducer = Reducer<OrientationChannel, N>;
+
+    explicit Encoder(const EncoderParams& params) noexcept
+        : params_{params},
+          position_{{params.tol_position_m, params.tick_ns, params.delay_max}},
+          orientation_{{params.tol_orientation_rad, params.tick_ns, params.delay_max}} {
+        position_link_.scale = position_.scale();
+        orientation_link_.scale = orientation_.scale();
+    }
+
+    /// One record. @return the frames that it completed, possibly none.
+    Bytes push(const Pose& pose) noexcept {
+        size_ = 0;
+        now_ns_ = pose.t_ns;
+        if (!started_) start();
+        feed(position_, params_.position && (pose.flags & flag::position_valid), pose,
+             {pose.p_w_m.x, pose.p_w_m.y, pose.p_w_m.z}, flag::gap_before | flag::position_gap,
+             position_gap_);
+        feed(orientation_, params_.orientation && (pose.flags & flag::orientation_valid), pose,
+             pose.q_wb, flag::gap_before | flag::orientation_gap, orientation_gap_);
+        position_.work(params_.slice);
+        orientation_.work(params_.slice);
+        for (std::size_t i = 0; i < max_frames; ++i) {  // more than one only where a curve ends
+            if (!position_.due() && !orientation_.due() && !restart_due()) break;
+            frame(params_.delay_max / 2);
+        }
+        return {out_.data(), size_};
+    }
+
+    /// Makes everything final; call until it returns nothing.
+    Bytes flush() noexcept {
+        size_ = 0;
+        if (!position_.empty() || !orientation_.empty()) frame(0);
+        position_gap_ = orientation_gap_ = true;  // what comes later starts new curves
+        return {out_.data(), size_};
+    }
+
+    const PositionReducer& position() const noexcept { return position_; }
+    const OrientationReducer& orientation() const noexcept { return orientation_; }
+    std::uint32_t frames() const noexcept { return sequence_; }
+
+    static constexpr std::size_t max_frames = 3;  // a push completes at most
+
+  private:
+    template <class Reduction>
+    void feed(Reduction& reduction, bool valid, const Pose& pose,
+              const typename Reduction::Value& value, std::uint32_t gap_flags, bool& gap) noexcept {
+        gap = gap || (pose.flags & gap_flags) != 0;
+        if (!valid) {
+            reduction.skip();
+            return;
+        }
+        reduction.push(pose.t_ns, value, gap);
+        gap = false;
+    }
+
+    void start() noexcept {
+        started_ = true;
+        epoch_ns_ = now_ns_;
+        position_.set_epoch(now_ns_);
+        orientation_.set_epoch(now_ns_);
+        restart_wanted_ = true;
+    }
+
+    bool restart_due() const noexcept {
+        return !restart_wanted_ && now_ns_ - last_restart_ns_ >= params_.restart_interval_ns;
+    }
+
+    /// One frame with what both channels can make final.
+    void frame(std::uint32_t goal) noexcept {
+        BitWriter io{out_.data() + size_ + 2, wire::max_payload};
+        const bool restart = restart_wanted_ || restart_due();
+        if (restart) {
+            header_ = {sequence_, params_.tick_ns,
+                       epoch_ns_ + (now_ns_ - epoch_ns_) / params_.tick_ns * params_.tick_ns};
+            wire::header(io, header_);
+            wire::state(io, position_link_, header_.base_ns, params_.tick_ns);
+            wire::state(io, orientation_link_, header_.base_ns, params_.tick_ns);
+            restart_wanted_ = false;
+            last_restart_ns_ = now_ns_;
+        }
+        put(io, position_, position_link_, goal);
+        put(io, orientation_, orientation_link_, goal);
+        FAIRLEAD_ASSERT(io.ok());
+        seal(restart, io.size());
+    }
+
+    template <class Reduction, class Channel>
+    void put(BitWriter& io, Reduction& reduction, wire::Link<Channel>& link,
+             std::uint32_t goal) noexcept {
+        typename Reduction::Frozen batch{};
+        if (!reduction.empty() && (reduction.due() || reduction.age() >= goal))
+            batch = reduction.advance(goal);
+        wire::content(io, link, batch, header_.base_ns, params_.tick_ns);
+        wire::follow_start(link, batch);
+        for (std::size_t i = 0; i < batch.size; ++i)
+            wire::follow_knot(link, batch, i, params_.tick_ns);
+        if (batch.covers) link.cover_ticks = batch.cover_ticks;
+    }
+
+    /// Puts length and checksum around the payload that stands two bytes after the frames so far.
+    void seal(bool restart, std::size_t n) noexcept {
+        std::uint8_t* out = out_.data() + size_;
+        const std::size_t head = restart || n > 127 ? 2 : 1;
+        if (head == 1) {
+            out[0] = static_cast<std::uint8_t>(n);
+            for (std::size_t i = 0; i < n; ++i) out[1 + i] = out[2 + i];
+        } else {
+            out[0] = static_cast<std::uint8_t>((restart ? 0xC0u : 0x80u) | (n >> 8));
+            out[1] = static_cast<std::uint8_t>(n & 0xffu);
+        }
+        const std::uint16_t seed =
+            restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_);
+        const std::uint16_t crc = crc16(out, head + n, seed);
+        out[head + n] = static_cast<std::uint8_t>(crc >> 8);
+        out[head + n + 1] = static_cast<std::uint8_t>(crc & 0xffu);
+        size_ += head + n + 2;
+        ++sequence_;
+    }
+
+    EncoderParams params_;
+    PositionReducer position_;
+    OrientationReducer orientation_;
+    wire::Link<VectorChannel<3>> position_link_{};
+    wire::Link<OrientationChannel> orientation_link_{};
+    wire::Header header_{};
+    std::array<std::uint8_t, max_frames * wire::max_frame> out_{};
+    std::size_t size_{0};
+    std::uint32_t sequence_{0};
+    std::int64_t now_ns_{0}, epoch_ns_{0}, last_restart_ns_{0};
+    bool started_{false}, restart_wanted_{false};
+    bool position_gap_{false}, orientation_gap_{false};
+};
+
+}  // namespace fairlead
