@@ -238,6 +238,7 @@ TEST(FilterLaws, ConstantRatePassesUnchanged) {
     law(savitzky_golay_mask<11, 2>());
     law(causal_savitzky_golay_mask<12, 1>());
     law(causal_savitzky_golay_mask<12, 2>());
+    law(zero_lag_mask<zero_lag_taps(0.4)>(0.4));
 }
 
 TEST(FilterLaws, LagIsTheFirstMoment) {
@@ -249,4 +250,23 @@ TEST(FilterLaws, LagIsTheFirstMoment) {
         const ref::Q late = ref::from_vector({0.1 * (static_cast<double>(i) - 4), 0, 0});
         ASSERT_LT(ref::angle(ref::of(out[i].q_wb), late), rounding_rad);
     }
+}
+
+TEST(FilterLaws, NoiseOfOrientationsIsTheMasksNoise) {
+    std::mt19937_64 random{11};
+    constexpr double gain = 0.4, sigma = 0.02;
+    std::vector<ref::Q> q;
+    for (int i = 0; i < 40000; ++i)
+        q.push_back(ref::mul(ref::from_vector({0.05 * i, 0.02 * i, 0}),
+                             ref::from_vector(ref::normal(random, sigma))));
+    constexpr auto mask = zero_lag_mask<zero_lag_taps(gain)>(gain);
+    const auto out = run(filter_of(mask), to_poses(q, std::vector<ref::V>(q.size())));
+    double sum = 0;
+    for (std::size_t i = 100; i < q.size(); ++i) {
+        const auto t = static_cast<double>(i);
+        const ref::Q truth = ref::from_vector({0.05 * t, 0.02 * t, 0});
+        sum += std::pow(ref::angle(ref::of(out[i].q_wb), truth), 2);
+    }
+    const double rms = std::sqrt(sum / 3 / static_cast<double>(q.size() - 100));
+    EXPECT_NEAR(rms, gain * sigma, 0.02 * gain * sigma);
 }

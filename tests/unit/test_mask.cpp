@@ -117,6 +117,34 @@ TEST(Mask, FirstMomentAndNoise) {
     EXPECT_NEAR(noise_variance(causal_savitzky_golay_mask<15, 1>()), 58.0f / 240, 1e-6f);
 }
 
+TEST(Mask, ZeroLagMasksHaveTheWantedNoise) {
+    constexpr auto half = zero_lag_mask<zero_lag_taps(0.5)>(0.5);
+    static_assert(half.centre() == half.size() - 1);
+    EXPECT_NEAR(noise_variance(half), 0.25f, 1e-6f);
+    EXPECT_NEAR(first_moment(half), 0.0f, 1e-5f);
+    constexpr auto whole = zero_lag_mask<zero_lag_taps(1)>(1);
+    EXPECT_EQ(noise_variance(whole), 1.0f);
+    using M = AnyMask<500>;
+    for (double gain = 0.09; gain <= 1; gain += 0.0137) {
+        const auto mask = M::zero_lag(gain);
+        ASSERT_TRUE(mask) << gain;
+        EXPECT_NEAR(double{noise_variance(*mask)}, gain * gain, 2e-6) << gain;
+        double moment = 0;
+        for (std::size_t i = 0; i < mask->size(); ++i)
+            moment += double{mask->tap(i)} * (static_cast<double>(i) - double(mask->centre()));
+        EXPECT_NEAR(moment, 0, 2e-4) << gain;
+        // no shorter mask of zero lag can do it: the line through fewer samples is too noisy
+        if (mask->size() > 2) {
+            const auto shorter = M::savitzky_golay(mask->size() - 1, 1, mask->size() - 2);
+            EXPECT_GT(double{noise_variance(*shorter)}, gain * gain);
+        }
+    }
+    EXPECT_FALSE(M::zero_lag(0));
+    EXPECT_FALSE(M::zero_lag(1.1));
+    EXPECT_FALSE(M::zero_lag(NAN));
+    EXPECT_FALSE(M::zero_lag(0.01));
+}
+
 TEST(Mask, ByHand) {
     constexpr Mask<3, 0> forward{{0.5, 0.25, 0.25}};
     static_assert(forward.tap(0) == 0.5f && forward.step(0) == 0.5f && forward.step(1) == 0.25f);

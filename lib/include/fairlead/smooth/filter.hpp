@@ -26,32 +26,12 @@
 
 #include "fairlead/base/ring.hpp"
 #include "fairlead/base/types.hpp"
-#include "fairlead/math/quat.hpp"
 #include "fairlead/smooth/mask.hpp"
+#include "fairlead/smooth/space.hpp"
 
 namespace fairlead {
 
 namespace detail {
-
-template <class Real>
-struct OrientationSpace {
-    using Value = BasicQuat<Real>;
-    using Step = BasicVec3<Real>;
-    static Value continued(const Value& from, const Value& to) noexcept {
-        return same_side(from, to);
-    }
-    static Step step(const Value& from, const Value& to) noexcept { return log(conj(from) * to); }
-    static Value moved(const Value& from, const Step& by) noexcept { return from * exp(by); }
-};
-
-template <class Real>
-struct PositionSpace {
-    using Value = BasicVec3<Real>;
-    using Step = BasicVec3<Real>;
-    static Value continued(const Value&, const Value& to) noexcept { return to; }
-    static Step step(const Value& from, const Value& to) noexcept { return to - from; }
-    static Value moved(const Value& from, const Step& by) noexcept { return from + by; }
-};
 
 /// One channel: its steps, as far back as the mask and its reflection reach. Latency: the most
 /// samples that may have followed the one that is taken.

@@ -13,99 +13,9 @@
 #include <cstddef>
 
 #include "fairlead/base/status.hpp"
-#include "fairlead/base/tolerance.hpp"
+#include "fairlead/smooth/mask_taps.hpp"
 
 namespace fairlead {
-
-namespace detail {
-
-/// Taps -> Real taps and partial sums. The centre tap takes up what rounding left of the sum.
-template <class Real, std::size_t Capacity>
-struct MaskTable {
-    std::array<Real, Capacity> taps{};
-    std::array<Real, Capacity> steps{};  // steps[m + centre] = b_m; the last one is unused
-
-    constexpr void fill(const double* a, std::size_t size, std::size_t centre) noexcept {
-        double others = 0;
-        for (std::size_t i = 0; i < size; ++i) {
-            if (i != centre) others += a[i];
-            taps[i] = static_cast<Real>(i == centre ? 0 : a[i]);
-        }
-        taps[centre] = static_cast<Real>(1 - others);
-        double sum = 0;
-        for (std::size_t i = 0; i < centre; ++i) {
-            sum += a[i];
-            steps[i] = static_cast<Real>(-sum);
-        }
-        sum = 0;
-        for (std::size_t i = size - 1; i > centre; --i) {
-            sum += a[i];
-            steps[i - 1] = static_cast<Real>(sum);
-        }
-    }
-};
-
-constexpr Status check_taps(const double* a, std::size_t size, std::size_t centre) noexcept {
-    if (size == 0 || centre >= size) return Status::bad_argument;
-    double sum = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-        if (!(a[i] >= -tolerance::mask_tap && a[i] <= tolerance::mask_tap))
-            return Status::bad_argument;
-        sum += a[i];
-    }
-    const double off = sum < 1 ? 1 - sum : sum - 1;
-    return off <= tolerance::mask_sum ? Status::ok : Status::bad_argument;
-}
-
-/// Binomial coefficients over 2^(size - 1) [eq. (23)].
-constexpr void fill_binomial(double* a, std::size_t size) noexcept {
-    double c = 1;
-    for (std::size_t i = 1; i < size; ++i) c /= 2;
-    for (std::size_t i = 0; i < size; ++i) {
-        a[i] = c;
-        c = c * static_cast<double>(size - 1 - i) / static_cast<double>(i + 1);
-    }
-}
-
-/// The least-squares polynomial of the given degree through all samples, read at the centre
-/// [Savitzky & Golay 1964]. Discrete orthogonal polynomials by their three-term recurrence: tap i =
-/// sum_k p_k(i) p_k(centre) / |p_k|^2.
-constexpr void fill_savitzky_golay(double* a, std::size_t size, std::size_t centre,
-                                   std::size_t degree) noexcept {
-    // monic: p_{k+1}(x) = x p_k(x) - beta_k p_{k-1}(x) on equal steps symmetric about 0
-    const auto n = static_cast<double>(size), scale = size > 1 ? 2 / (n - 1) : 1;
-    const auto x_of = [n, scale](std::size_t i) {
-        return (static_cast<double>(i) - (n - 1) / 2) * scale;
-    };
-    for (std::size_t i = 0; i < size; ++i) {
-        const double x = x_of(i), c = x_of(centre);
-        double px = 1, px_before = 0, pc = 1, pc_before = 0, norm = n, sum = 1 / n;
-        for (std::size_t k = 1; k <= degree && k < size; ++k) {
-            const auto j = static_cast<double>(k - 1);
-            const double beta = j * j * (n * n - j * j) / (4 * (4 * j * j - 1)) * scale * scale;
-            const double px_next = x * px - beta * px_before, pc_next = c * pc - beta * pc_before;
-            px_before = px, pc_before = pc, px = px_next, pc = pc_next;
-            const auto d = static_cast<double>(k);
-            norm *= d * d * (n * n - d * d) / (4 * (4 * d * d - 1)) * scale * scale;
-            sum += px * pc / norm;
-        }
-        a[i] = sum;
-    }
-}
-
-/// p - lambda D^4 p with the divided fourth difference, 1/24 (1 -4 6 -4 1) [eq. (21)].
-constexpr std::array<double, 5> smoothing_taps(double lambda) noexcept {
-    const double l = lambda / 24;
-    return {-l, 4 * l, 1 - 6 * l, 4 * l, -l};
-}
-
-/// p + lambda (p - blurred p), blurred by the binomial mask of five taps [sec. V.C].
-constexpr std::array<double, 5> sharpening_taps(double lambda) noexcept {
-    const double l = lambda / 16;
-    return {-l, -4 * l, 1 + 10 * l, -4 * l, -l};
-}
-
-}  // namespace detail
 
 /// A mask whose length and centre are part of its type. Centre = Taps - 1: causal, latency 0.
 template <std::size_t Taps, std::size_t Centre = Taps / 2, class Number = float>
@@ -188,6 +98,16 @@ class AnyMask {
         return from_taps(a.data(), size, centre);
     }
 
+    /// Causal, without lag at constant rate, noise brought down to noise_gain (0 < gain <= 1).
+    static constexpr Result<AnyMask> zero_lag(double noise_gain) noexcept {
+        if (!(noise_gain > 0 && noise_gain <= 1)) return Status::bad_argument;
+        const std::size_t size = detail::zero_lag_size(noise_gain, Capacity + 1);
+        if (size > Capacity) return Status::bad_argument;
+        std::array<double, Capacity> a{};
+        detail::fill_zero_lag(a.data(), size, noise_gain);
+        return from_taps(a.data(), size, size - 1);
+    }
+
     constexpr std::size_t size() const noexcept { return size_; }
     constexpr std::size_t centre() const noexcept { return centre_; }
     constexpr Real tap(std::size_t i) const noexcept { return table_.taps[i]; }
@@ -241,6 +161,22 @@ constexpr Mask<Taps, Taps - 1> causal_savitzky_golay_mask() noexcept {
     static_assert(Degree < Taps);
     std::array<double, Taps> a{};
     detail::fill_savitzky_golay(a.data(), Taps, Taps - 1, Degree);
+    return Mask<Taps, Taps - 1>{a};
+}
+
+/// Taps that zero_lag_mask needs for a noise gain: about 4 / gain^2.
+constexpr std::size_t zero_lag_taps(double noise_gain) noexcept {
+    FAIRLEAD_ASSERT(noise_gain > 0.05 && noise_gain <= 1);  // 1600 taps and more are no filter
+    return detail::zero_lag_size(noise_gain, 2000);
+}
+
+/// Causal, without lag at constant rate, and white noise leaves it noise_gain times as strong
+/// (standard deviations): zero_lag_mask<zero_lag_taps(0.5)>(0.5). No shorter mask can do that.
+template <std::size_t Taps>
+constexpr Mask<Taps, Taps - 1> zero_lag_mask(double noise_gain) noexcept {
+    FAIRLEAD_ASSERT(zero_lag_taps(noise_gain) == Taps);
+    std::array<double, Taps> a{};
+    detail::fill_zero_lag(a.data(), Taps, noise_gain);
     return Mask<Taps, Taps - 1>{a};
 }
 
