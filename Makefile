@@ -53,6 +53,15 @@ $(BUILD)/tests/port: $(call objects,$(PORT_TESTS)) $(BUILD)/libport.a $(BUILD)/l
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgpiod -lgtest -lgtest_main -o $@
 
+# both versions of libgpiod, each over a fake line; version 2 by declarations of the tests' own
+GPIO_TESTS := tests/port/gpio/test_gpio.cpp tests/port/gpio/fake.cpp port/linux/gpio.cpp
+$(BUILD)/tests/gpio1: $(GPIO_TESTS) tests/port/gpio/fake_v1.cpp port/linux/gpio.hpp port/linux/button.hpp
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $(filter %.cpp,$^) -lgtest -lgtest_main -o $@
+$(BUILD)/tests/gpio2: $(GPIO_TESTS) tests/port/gpio/fake_v2.cpp port/linux/gpio.hpp port/linux/button.hpp
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) -Itests/port/gpio/v2 $(filter %.cpp,$^) -lgtest -lgtest_main -o $@
+
 # the sensor drivers on a microcontroller: they compile for a Cortex-M4F and ask for no heap
 ARM_PORT := arm-none-eabi-g++ -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 $(BUILD)/device/drivers.o: tests/port/device/drivers.cpp $(wildcard port/sensors/*.hpp) $(LIB_HEADERS)
@@ -104,7 +113,7 @@ setup-%:
 	@.ci/setup $*
 
 .PHONY: test
-TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port $(BUILD)/tests/gateway $(BUILD)/tests/peers
+TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port $(BUILD)/tests/gpio1 $(BUILD)/tests/gpio2 $(BUILD)/tests/gateway $(BUILD)/tests/peers
 test: setup-build setup-test setup-gateway ## build and run all tests that need no other machine (installs what is missing)
 	@$(MAKE) BUILD=$(BUILD) build-tests
 	@tests/run $(TEST_PROGRAMS)
