@@ -96,7 +96,8 @@ $(BUILD)/tests/peers: $(call objects,$(sort $(wildcard tests/peers/*.cpp))) $(BU
 .PHONY: bench-peers
 bench-peers: setup-build setup-peers ## control points and bytes beside the rivals; rewrites the table in docs/peers.md
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-peers $(BUILD)/fairlead-sim
-	$(BUILD)/bench-peers
+	$(BUILD)/bench-peers --page docs/peers.md --control-points host_sim/bench_peers/control_points.csv \
+	  --sweep host_sim/bench_peers/sweep.csv
 
 # ---- every public header compiles alone, strictly, without exceptions and RTTI
 $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "host_sim/baselines/knots/certificate.hpp"
 #include "host_sim/baselines/knots/fitpack.hpp"
 #include "host_sim/baselines/knots/removal.hpp"
 #include "host_sim/baselines/knots/windowed.hpp"
@@ -146,6 +147,48 @@ TEST(PeerSplines, WiderWindowsRemoveMoreAndStayNearTheFirstCurve) {
         fewest = reduced.size();
         EXPECT_LT(largest_error(track, reduced), 0.03);
     }
+}
+
+/// Error at a proof's last sample of the cubic that passes the other four at alternating lifts
+/// (Neville); at the right lift it equals the lift.
+double error_with_lift(const Track& track, const Proof& proof, double lift) {
+    double p[4];
+    const auto t = [&](std::size_t k) { return track.t[proof.samples[k]]; };
+    const auto x = [&](std::size_t k) { return track.at(proof.samples[k])[proof.axis]; };
+    for (std::size_t k = 0; k < 4; ++k) p[k] = x(k) + (k % 2 == 0 ? lift : -lift);
+    for (std::size_t level = 1; level < 4; ++level)
+        for (std::size_t k = 0; k + level < 4; ++k)
+            p[k] =
+                ((t(4) - t(k + level)) * p[k] + (t(k) - t(4)) * p[k + 1]) / (t(k) - t(k + level));
+    return p[0] - x(4);
+}
+
+TEST(PeerSplines, NoSplineHasFewerControlPointsThanIsProved) {
+    const Track track = wave(500, 0.002);
+    for (const double tolerance : {0.008, 0.02, 0.1}) {
+        const auto proofs = knots_needed(track, tolerance);
+        EXPECT_GE(proofs.size(), 2u);
+        EXPECT_LE(4 + proofs.size(), global_removal(track, 4, tolerance).size());
+        std::size_t end = 0;
+        for (const Proof& proof : proofs) {
+            EXPECT_GE(proof.samples.front(), end) << "stretches overlap";
+            for (std::size_t k = 1; k < 5; ++k) EXPECT_LT(proof.samples[k - 1], proof.samples[k]);
+            end = proof.samples.back();
+            const double least = least_error(track, proof);
+            EXPECT_GT(least, tolerance);
+            const double up = error_with_lift(track, proof, least);
+            const double down = error_with_lift(track, proof, -least);
+            EXPECT_NEAR(std::min(std::fabs(up - least), std::fabs(down + least)), 0, 1e-9)
+                << "no cubic has its five errors equal and alternating";
+        }
+    }
+}
+
+TEST(PeerSplines, NothingIsProvedAboutACubic) {
+    Track track = wave(300, 0);
+    for (std::size_t i = 0; i < track.size(); ++i)
+        for (std::size_t d = 0; d < 3; ++d) track.x[3 * i + d] = std::pow(track.t[i] - 1.3, 3);
+    EXPECT_TRUE(knots_needed(track, 1e-6).empty());
 }
 
 }  // namespace
