@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 import elf
+import path as paths
 
 ROOTS = ("subject_start", "subject_push", "subject_flush")
 
@@ -24,8 +25,8 @@ class Core:
                 return
         raise SystemExit("no core '%s' in port/cortex_m/cores" % name)
 
-    def run(self, image, build, words, counts=None, timeout=600):
-        """Runs the image with its words; the counting plugin writes to counts."""
+    def run(self, image, build, words, counts=None, heads=None, timeout=600):
+        """Runs the image with its words; the counting plugin writes to counts and, for the loop heads, to heads."""
         if self.on_host:
             command = [image] + words
         else:
@@ -38,7 +39,7 @@ class Core:
                 if "rv32imac" == self.name:
                     command += ["-cpu", "rv32,f=false,d=false"]
             if counts:
-                command += ["-plugin", "%s/count.so,out=%s" % (build, counts)]
+                command += ["-plugin", "%s/count.so,out=%s" % (build, counts) + (",heads=" + heads if heads else "")]
             command += ["-kernel", image]
         done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
         if done.returncode != 0:
@@ -94,9 +95,8 @@ def count_summary(streams, counts):
     return result
 
 
-def static_facts(out, core):
+def static_facts(out, core, image):
     """The stack bound by disassembly, the rules that the image breaks, and what the stage adds to a bare image."""
-    image = elf.Image(out + ".elf", core.prefix)
     bare = elf.Image(out + ".bare.elf", core.prefix)
     facts, broken = {}, elf.problems(bare, out + ".bare.elf.map", ROOTS)
     try:
@@ -110,18 +110,48 @@ def static_facts(out, core):
     return facts, broken
 
 
-def measure(core, subject, build, words, out):
-    image = "%s/%s/%s.elf" % (build, core.name, subject)
-    counts = None if core.on_host else out + ".counts"
-    core.run(image, build, ["report=" + out + ".report", "digests=" + out + ".digests"] + words, counts)
+def measure_on_host(core, subject, build, words, out):
+    core.run("%s/%s/%s.elf" % (build, core.name, subject), build, run_words(words, out))
     facts, streams = read_report(out + ".report")
-    result = {"core": core.name, "subject": subject, **facts, "streams": streams}
-    if counts:
-        seen = read_words(counts)
-        if len(seen) != len(read_words(out + ".digests")):
-            raise SystemExit("%s on %s: %d calls were counted" % (subject, core.name, len(seen)))
-        result.update(count_summary(streams, seen))
-    return result
+    return {"core": core.name, "subject": subject, **facts, "streams": streams}, []
+
+
+def run_words(words, out):
+    return ["report=" + out + ".report", "digests=" + out + ".digests"] + words
+
+
+def measure(core, subject, build, words, out):
+    """What was seen on a core, and what is wrong with it."""
+    stem = "%s/%s/%s" % (build, core.name, subject)
+    image = elf.Image(stem + ".elf", core.prefix)
+    graph = paths.Graph(image, image.address["subject_push"])
+    with open(out + ".heads", "w") as file:
+        file.writelines("%x\n" % a for a in [graph.root] + graph.heads)
+    core.run(stem + ".elf", build, run_words(words, out), out + ".counts", out + ".heads")
+    facts, streams = read_report(out + ".report")
+    counts = read_words(out + ".counts")
+    if len(counts) != len(read_words(out + ".digests")):
+        return {}, ["%d calls were counted" % len(counts)]
+    result = {"core": core.name, "subject": subject, **facts, "streams": streams, **count_summary(streams, counts)}
+    caps = {int(a, 16): int(n) for a, n in (line.split() for line in open(out + ".heads"))}
+    result["push"]["bound"] = graph.bound(caps, out) + 1  # the call itself
+    facts, broken = static_facts(stem, core, image)
+    result.update(facts)
+    if "stack_bound" in facts and result["stack"] > facts["stack_bound"]:
+        broken.append("stack: %d bytes were used, the bound is %d" % (result["stack"], facts["stack_bound"]))
+    if result["push"]["max"] > result["push"]["bound"]:
+        broken.append("a push took %d instructions, the bound is %d" % (result["push"]["max"], result["push"]["bound"]))
+    return result, broken
+
+
+def stream_list(streams, subject, out):
+    """The streams for all stages and those that a search found for this one, in one file."""
+    kept = "tests/target/streams/worst/" + subject
+    with open(out + ".streams", "w") as file:
+        for name in (streams, kept):
+            if os.path.exists(name):
+                file.write(open(name).read())
+    return out + ".streams"
 
 
 def main():
@@ -135,14 +165,9 @@ def main():
     out = "%s/%s/%s" % (options.build, core.name, subject)
     if os.path.exists(out + ".result"):
         os.remove(out + ".result")
-    result = measure(core, subject, options.build, ["recipes=" + options.streams], out)
-    broken = []
-    if not core.on_host:
-        facts, broken = static_facts(out, core)
-        result.update(facts)
-        if "stack_bound" in facts and result["stack"] > facts["stack_bound"]:
-            broken.append("stack: %d bytes were used, the bound is %d" % (result["stack"], facts["stack_bound"]))
-    for s in result["streams"]:
+    words = ["recipes=" + stream_list(options.streams, subject, out)]
+    result, broken = (measure_on_host if core.on_host else measure)(core, subject, options.build, words, out)
+    for s in result.get("streams", []):
         if s["flushes"] >= 20000:
             broken.append("stream %s: flush never ends" % s["name"])
     if broken:

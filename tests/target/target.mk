@@ -3,7 +3,7 @@
 BUILD    ?= build/target
 SUBJECTS ?= $(shell sed 's/\#.*//' tests/target/stages)
 # the first machine is the one that all others are compared with
-CORES    ?= $(shell sed 's/\#.*//' port/cortex_m/cores | awk 'NF {print $$1}')
+CORES    ?= $(shell sed 's/\#.*//' port/cortex_m/cores | awk 'NF && $$1 != "microbit" {print $$1}')
 STREAMS  ?= tests/target/streams/adverse
 
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Werror
@@ -34,7 +34,7 @@ ifeq ($(3),-)
 FLAGS_$(1) := $(COMMON) -g
 $(BUILD)/$(1)/%.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,run stream platform_host,$(BUILD)/$(1)/$(o).o)
 	$(2) $$^ -o $$@
-$(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(STREAMS) tests/target/measure.py
+$(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(STREAMS) tests/target/measure.py $(wildcard tests/target/streams/worst/*)
 	tests/target/measure.py --build $(BUILD) --streams $(STREAMS) $(1) $$*
 else
 FLAGS_$(1) := $(COMMON) $(DEVICE) $(if $(filter riscv%,$(2)),$(RISCV))
@@ -49,7 +49,7 @@ $(BUILD)/$(1)/%.bare.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,bare $(6),$(BUIL
 $(BUILD)/$(1)/calibrate.elf: $(foreach o,calibrate $(6),$(BUILD)/$(1)/$(o).o) port/cortex_m/memory.ld
 	$(2) $(7) $$(LINK_$(1)) $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
 $(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(BUILD)/$(1)/%.bare.elf $(BUILD)/$(1)/none.bare.elf $(BUILD)/count.so $(STREAMS) \
-		tests/target/measure.py tests/target/elf.py
+		tests/target/measure.py tests/target/elf.py tests/target/path.py $(wildcard tests/target/streams/worst/*)
 	tests/target/measure.py --build $(BUILD) --streams $(STREAMS) $(1) $$*
 endif
 endef
@@ -63,9 +63,13 @@ $(BUILD)/count.so: tests/target/count.c
 -include $(wildcard $(BUILD)/*/*.d)
 
 EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(core)" {print $$3}' port/cortex_m/cores)),$(core)))
-.PHONY: images measure calibrate same-bits
+.PHONY: images measure calibrate same-bits bounds search-trap
 calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
 	tests/target/calibrate.py $(BUILD) $(EMULATED)
+bounds: measure
+	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(EMULATED) $(if $(ACCEPT),--accept)
+search-trap: $(BUILD)/m4f/planted.elf $(BUILD)/count.so
+	tests/target/search.py --build $(BUILD) planted --must-reach 6000
 same-bits: measure
 	tests/target/compare.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES)
 images: $(foreach core,$(CORES),$(SUBJECTS:%=$(BUILD)/$(core)/%.elf))

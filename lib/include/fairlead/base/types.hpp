@@ -33,21 +33,20 @@ using Quat = BasicQuat<float>;
 
 /// Quality travels with the data, as bits of Sample::flags and Pose::flags.
 namespace flag {
-enum : std::uint32_t {
-    position_valid = 1u << 0,     // Pose: p_w_m holds a measurement
-    orientation_valid = 1u << 1,  // Pose: q_wb holds a measurement
-    gap_before = 1u << 2,         // time or data is missing before this record: curves start anew
-    position_gap = 1u << 3,       // the same, of the position channel alone
-    orientation_gap = 1u << 4,    // the same, of the orientation channel alone
-    clipped = 1u << 5,            // a sensor axis stood at the end of its range
-    stuck = 1u << 6,              // the same value for longer than a living sensor would give
-    settling = 1u << 7,           // an estimator has not converged yet
-    mag_rejected = 1u << 8,       // the magnetic field is disturbed
-    rest = 1u << 9,               // the board is at rest
-    gyro_valid = 1u << 10,        // Sample: gyro_rad_s holds a measurement
-    accel_valid = 1u << 11,       // Sample: accel_m_s2 holds a measurement
-    mag_valid = 1u << 12,         // Sample: mag_uT holds a measurement
-};
+using Bits = std::uint32_t;
+inline constexpr Bits position_valid = 1u << 0;     // Pose: p_w_m holds a measurement
+inline constexpr Bits orientation_valid = 1u << 1;  // Pose: q_wb holds a measurement
+inline constexpr Bits gap_before = 1u << 2;         // time or data is missing: curves start anew
+inline constexpr Bits position_gap = 1u << 3;       // the same, of the position channel alone
+inline constexpr Bits orientation_gap = 1u << 4;    // the same, of the orientation channel alone
+inline constexpr Bits clipped = 1u << 5;            // a sensor axis stood at the end of its range
+inline constexpr Bits stuck = 1u << 6;         // the same value for longer than life would give
+inline constexpr Bits settling = 1u << 7;      // an estimator has not converged yet
+inline constexpr Bits mag_rejected = 1u << 8;  // the magnetic field is disturbed
+inline constexpr Bits rest = 1u << 9;          // the board is at rest
+inline constexpr Bits gyro_valid = 1u << 10;   // Sample: gyro_rad_s holds a measurement
+inline constexpr Bits accel_valid = 1u << 11;  // Sample: accel_m_s2 holds a measurement
+inline constexpr Bits mag_valid = 1u << 12;    // Sample: mag_uT holds a measurement
 }  // namespace flag
 
 /// One reading of an IMU, as the chip said it, in SI units and the body frame.

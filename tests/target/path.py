@@ -1,0 +1,101 @@
+"""The dearest path through linked machine code (implicit path enumeration). Every basic block gets a variable, how often
+it runs in one push; what flows into a block flows out; a call runs its callee; and no loop head runs more often than a cap.
+The linear program's maximum of executed instructions is a bound for every path that keeps the caps, also for those that
+no stream took. Caps are counts per push: the loop constants of the code, as the loop heads reached them in the emulator."""
+import re
+import subprocess
+
+
+class Graph:
+    """Basic blocks of all code that the root can come to."""
+
+    def __init__(self, image, root):
+        self.root, flow = root, image.flow
+        seen, starts, todo = set(), {root}, [root]
+        while todo:
+            at = todo.pop()
+            if at in seen or at not in flow:
+                continue
+            seen.add(at)
+            step, follower = flow[at]
+            if step.jump is not None or step.call is not None:
+                starts.update(t for t in (step.jump, step.call, follower) if t is not None)
+            todo += [t for t in (step.jump, step.call, follower if step.falls else None) if t is not None]
+        self.size, self.next, self.calls = {}, {}, {}
+        for start in sorted(starts & seen):
+            at, size = start, 0
+            while True:
+                step, follower = flow[at]
+                size += 1
+                ends = step.jump is not None or step.call is not None or not step.falls or follower in starts
+                if ends:
+                    break
+                at = follower
+            self.size[start] = size
+            self.next[start] = [t for t in (step.jump, follower if step.falls else None) if t in seen]
+            if step.call is not None:
+                self.calls.setdefault(step.call, []).append(start)
+        self.entries = {root} | set(self.calls)
+        self.heads, self.back = self.loop_heads()
+
+    def loop_heads(self):
+        """Targets of edges that lead back up a depth-first walk: every cycle runs through one."""
+        state, back = {}, {}
+        for entry in sorted(self.entries):
+            if entry in state:
+                continue
+            stack, state[entry] = [(entry, iter(self.next[entry]))], "open"
+            while stack:
+                block, rest = stack[-1]
+                following = next(rest, None)
+                if following is None:
+                    state[block] = "done"
+                    stack.pop()
+                elif state.get(following) == "open":
+                    back.setdefault(following, set()).add(block)
+                elif following not in state:
+                    state[following] = "open"
+                    stack.append((following, iter(self.next[following])))
+        return sorted(back), back
+
+    def entered_only_by_head(self, head):
+        """True where the loop's body cannot be reached but through its head."""
+        seen, todo = set(), [e for e in self.entries if e != head]
+        while todo:
+            block = todo.pop()
+            if block in seen or block == head:
+                continue
+            seen.add(block)
+            todo += self.next[block]
+        return not self.back[head] & seen
+
+    def bound(self, caps, work):
+        """Most instructions from the root's entry to its return. caps: head -> runs per push."""
+        into = {b: [] for b in self.size}
+        for block, following in self.next.items():
+            for f in following:
+                into[f].append("e%x_%x" % (block, f))
+        lines = ["Maximize", " n: " + " + ".join("%d b%x" % (s, b) for b, s in self.size.items()), "Subject To"]
+        for block in self.size:
+            sources = into[block] + ["b%x" % c for c in self.calls.get(block, [])]
+            once = 1 if block == self.root else 0
+            lines.append(" b%x %s = %d" % (block, "".join(" - " + s for s in sources), once))
+            out = ["e%x_%x" % (block, f) for f in self.next[block]]
+            if out:
+                lines.append(" b%x %s = 0" % (block, "".join(" - " + e for e in out)))
+        for head in self.heads:
+            cap = caps.get(head, 0)
+            lines.append(" b%x <= %d" % (head, cap))
+            if cap > 0 and self.entered_only_by_head(head):
+                inside = {"e%x_%x" % (b, head) for b in self.back[head]}
+                entries = [s for s in into[head] if s not in inside] + ["b%x" % c for c in self.calls.get(head, [])]
+                if entries and head != self.root:
+                    lines.append(" b%x %s <= 0" % (head, "".join(" - %d %s" % (cap, e) for e in entries)))
+        with open(work + ".lp", "w") as file:
+            file.write("\n".join(lines + ["End", ""]))
+        done = subprocess.run(["glpsol", "--lp", work + ".lp", "-o", work + ".sol"], capture_output=True, text=True)
+        text = open(work + ".sol").read() if done.returncode == 0 else ""
+        value = re.search(r"^Objective: +\S+ = (\S+)", text, re.M)
+        if "OPTIMAL" not in text or not value:
+            raise RuntimeError("%s.lp has no solution: %s" % (work, done.stdout[-300:]))
+        return int(float(value[1]) + 0.5)
