@@ -33,7 +33,7 @@ $(BUILD)/tests/unit: $(call objects,$(UNIT_SOURCES)) $(BUILD)/libsim.a
 	$(CXX) $(HOST) $^ -lgtest -lgtest_main -o $@
 
 # ---- the host simulator: a program, and its parts as an archive for the tests
-SIM_SOURCES := $(filter-out host_sim/sim.cpp host_sim/timing%, \
+SIM_SOURCES := $(filter-out host_sim/sim.cpp, \
                  $(sort $(wildcard host_sim/*.cpp host_sim/commands/*.cpp host_sim/models/*.cpp)))
 $(BUILD)/libsim.a: $(call objects,$(SIM_SOURCES))
 	@rm -f $@ && $(AR) rcs $@ $^

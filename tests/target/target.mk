@@ -67,9 +67,9 @@ EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(co
 calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
 	tests/target/calibrate.py $(BUILD) $(EMULATED)
 bounds: measure
-	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(EMULATED) $(if $(ACCEPT),--accept)
+	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(EMULATED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
 search-trap: $(BUILD)/m4f/planted.elf $(BUILD)/count.so
-	tests/target/search.py --build $(BUILD) planted --must-reach 6000
+	tests/target/search.py --build $(BUILD) --core m4f planted --must-reach 6000
 same-bits: measure
 	tests/target/compare.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES)
 images: $(foreach core,$(CORES),$(SUBJECTS:%=$(BUILD)/$(core)/%.elf))
