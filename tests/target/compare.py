@@ -8,23 +8,32 @@ import sys
 from measure import call_name, read_words
 
 
-def first_difference(a, b):
-    for index, (x, y) in enumerate(zip(a, b)):
-        if x != y:
-            return index
-    return None if len(a) == len(b) else min(len(a), len(b))
+def first_difference(known, seen):
+    """Index of the first word that differs; a shorter sequence may be the beginning of a longer one."""
+    return next((i for i, (a, b) in enumerate(zip(known, seen)) if a != b), None)
+
+
+def load(build, core, subject):
+    stem = "%s/%s/%s" % (build, core, subject)
+    return {s["name"]: s for s in json.load(open(stem + ".result"))["streams"]}, read_words(stem + ".digests")
 
 
 def compare(build, subject, reference, core):
-    """None, or what differs first between two machines."""
-    stem = "%s/%s/" + subject
-    known = json.load(open((stem + ".result") % (build, reference)))["streams"]
-    seen = json.load(open((stem + ".result") % (build, core)))["streams"]
-    for k, s in zip(known, seen):
+    """(None or what differs first between two machines, calls compared)."""
+    known_streams, known_digests = load(build, reference, subject)
+    seen_streams, seen_digests = load(build, core, subject)
+    for name, s in seen_streams.items():
+        k = known_streams[name]
         if k["input"] != s["input"]:
-            return "stream %s: the generator itself gives other records" % k["name"]
-    at = first_difference(*(read_words((stem + ".digests") % (build, c)) for c in (reference, core)))
-    return None if at is None else "stream %s, %s" % call_name(known, at)
+            return "stream %s: the generator itself gives other records" % name, 0
+        known = known_digests[k["first"]:k["first"] + k["pushes"] + k["flushes"]]
+        seen = seen_digests[s["first"]:s["first"] + s["pushes"] + s["flushes"]]
+        at = first_difference(known, seen)
+        if at is not None:
+            return "stream %s, %s" % call_name([k], k["first"] + at), 0
+        if len(known) != len(seen):
+            return "stream %s: %d calls and %d" % (name, len(known), len(seen)), 0
+    return None, len(seen_digests)
 
 
 def main():
@@ -35,9 +44,9 @@ def main():
     options = parser.parse_args()
     reference, failed, calls = options.cores[0], False, 0
     for subject in options.subjects:
-        calls += len(read_words("%s/%s/%s.digests" % (options.build, reference, subject)))
         for core in options.cores[1:]:
-            difference = compare(options.build, subject, reference, core)
+            difference, compared = compare(options.build, subject, reference, core)
+            calls += compared
             if difference:
                 failed = True
                 print("FAIL same bits: stage %s differs between %s and %s; first at %s" %
@@ -45,8 +54,8 @@ def main():
         if failed:  # what comes after a stage that differs says nothing new
             sys.exit(1)
         print("ok same bits: %s" % subject)
-    print("%d calls of %d stages, one digest on %d machines: %s" %
-          (calls, len(options.subjects), len(options.cores), " ".join(options.cores)))
+    print("%d stages, %d machines, one digest in %s calls: %s" %
+          (len(options.subjects), len(options.cores), format(calls, ","), " ".join(options.cores)))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ class Core:
                 self.name, self.compiler, self.machine = words[:3]
                 self.prefix = self.compiler[:-len("g++")]
                 self.on_host = self.machine == "-"
+                self.soft_float = not self.on_host and any(w in words for w in ("-mfloat-abi=soft", "-mabi=ilp32"))
                 return
         raise SystemExit("no core '%s' in port/cortex_m/cores" % name)
 
@@ -144,20 +145,20 @@ def measure(core, subject, build, words, out):
     return result, broken
 
 
-def stream_list(streams, subject, out):
+def stream_list(core, subject, out):
     """The streams for all stages and those that a search found for this one, in one file."""
-    kept = "tests/target/streams/worst/" + subject
+    brief = any(line.split()[:2] == [subject, "brief"] for line in open("tests/target/stages"))
+    general = ["brief"] if brief and core.soft_float else ["brief", "adverse"]
     with open(out + ".streams", "w") as file:
-        for name in (streams, kept):
-            if os.path.exists(name):
-                file.write(open(name).read())
+        for name in general + ["worst/" + subject]:
+            if os.path.exists("tests/target/streams/" + name):
+                file.write(open("tests/target/streams/" + name).read())
     return out + ".streams"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", default="build/target")
-    parser.add_argument("--streams", default="tests/target/streams/adverse")
     parser.add_argument("core")
     parser.add_argument("subject")
     options = parser.parse_args()
@@ -165,7 +166,7 @@ def main():
     out = "%s/%s/%s" % (options.build, core.name, subject)
     if os.path.exists(out + ".result"):
         os.remove(out + ".result")
-    words = ["recipes=" + stream_list(options.streams, subject, out)]
+    words = ["recipes=" + stream_list(core, subject, out)]
     result, broken = (measure_on_host if core.on_host else measure)(core, subject, options.build, words, out)
     for s in result.get("streams", []):
         if s["flushes"] >= 20000:

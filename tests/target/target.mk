@@ -1,10 +1,10 @@
 # Builds and measures every stage on every machine of port/cortex_m/cores. Used by the Makefile's target-* and bounds.
 #   make -f tests/target/target.mk CORES="m4f gcc-O2" SUBJECTS="quat" measure
 BUILD    ?= build/target
-SUBJECTS ?= $(shell sed 's/\#.*//' tests/target/stages)
+SUBJECTS ?= $(shell awk '!/^\#/ && NF {print $$1}' tests/target/stages)
 # the first machine is the one that all others are compared with
 CORES    ?= $(shell sed 's/\#.*//' port/cortex_m/cores | awk 'NF && $$1 != "microbit" {print $$1}')
-STREAMS  ?= tests/target/streams/adverse
+STREAMS  := $(wildcard tests/target/streams/*/* tests/target/streams/*)
 
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Werror
 COMMON := -std=c++17 -ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti $(STRICT) -Ilib/include -I. $(EXTRA)
@@ -34,8 +34,8 @@ ifeq ($(3),-)
 FLAGS_$(1) := $(COMMON) -g
 $(BUILD)/$(1)/%.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,run stream platform_host,$(BUILD)/$(1)/$(o).o)
 	$(2) $$^ -o $$@
-$(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(STREAMS) tests/target/measure.py $(wildcard tests/target/streams/worst/*)
-	tests/target/measure.py --build $(BUILD) --streams $(STREAMS) $(1) $$*
+$(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(STREAMS) tests/target/measure.py
+	tests/target/measure.py --build $(BUILD) $(1) $$*
 else
 FLAGS_$(1) := $(COMMON) $(DEVICE) $(if $(filter riscv%,$(2)),$(RISCV))
 LIBS_$(1) := $(if $(filter riscv%,$(2)),-L$(PICOLIBC)/lib/$(shell $(2) $(7) -print-multi-directory 2>/dev/null) -lc -lm -lgcc)
@@ -49,8 +49,8 @@ $(BUILD)/$(1)/%.bare.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,bare $(6),$(BUIL
 $(BUILD)/$(1)/calibrate.elf: $(foreach o,calibrate $(6),$(BUILD)/$(1)/$(o).o) port/cortex_m/memory.ld
 	$(2) $(7) $$(LINK_$(1)) $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
 $(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(BUILD)/$(1)/%.bare.elf $(BUILD)/$(1)/none.bare.elf $(BUILD)/count.so $(STREAMS) \
-		tests/target/measure.py tests/target/elf.py tests/target/path.py $(wildcard tests/target/streams/worst/*)
-	tests/target/measure.py --build $(BUILD) --streams $(STREAMS) $(1) $$*
+		tests/target/measure.py tests/target/elf.py tests/target/path.py
+	tests/target/measure.py --build $(BUILD) $(1) $$*
 endif
 endef
 row = $(call machine,$(word 1,$(1)),$(word 2,$(1)),$(word 3,$(1)),$(word 4,$(1)),$(word 5,$(1)),$(word 6,$(1)),$(wordlist 7,99,$(1)))
