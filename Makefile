@@ -160,11 +160,20 @@ test-strain: setup-build setup-reference ## hold fixed-lag strain smoothing to t
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/tests/strain
 	@tests/run $(BUILD)/tests/strain
 
-# ---- Cortex-M and RISC-V under an emulator: rules in tests/target/target.mk, guide in docs/target.md
-TARGET := $(MAKE) -f tests/target/target.mk --output-sync=target
-.PHONY: target-test
-target-test: setup-target ## the same bits on every core, exact instruction counts, stack and heap proofs
-	@$(TARGET) -s calibrate same-bits
+# ---- Cortex-M and RISC-V under an emulator: rules in tests/target/target.mk, guides docs/bounds.md, docs/target.md
+TARGET = $(MAKE) -s -f tests/target/target.mk
+CORE  ?= m4f
+.PHONY: target-test target-soak bounds size must-fail
+target-test: setup-target ## the same bits on every core, exact counts, BOUNDS.md, heap, stack and firmware checks
+	@$(TARGET) calibrate same-bits bounds search-trap firmware firmware-run recordings
+target-soak: setup-target ## all recordings on all cores, and a longer search for dear streams
+	@$(TARGET) same-bits search recordings SOAK=1
+bounds: setup-target ## check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=header CORE=m4f RECORDING=file BUDGET=n
+	@$(TARGET) $(if $(CONFIG),user CORES=$(CORE),bounds)
+size: setup-target ## flash, RAM and stack of the firmware example, and its linker map
+	@$(TARGET) firmware
+must-fail: setup-target ## plant five faults in copies of the tree: the target checks must catch each
+	@tests/must_fail/plantings.py
 
 .PHONY: clean
 clean:           ## remove everything that was built

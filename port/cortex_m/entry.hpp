@@ -1,14 +1,13 @@
 #pragma once
-// What every core does between its first instructions and main(): clear memory, construct, split
-// the command line. The image is loaded by the emulator or debugger, .data included, so nothing is
-// copied from flash here; a product's start-up code does that.
+// What every core does between its first instructions and main(): fill memory, construct, and, for
+// tests, split the command line that the host gives.
 #include <cstddef>
 #include <cstdint>
 
 #include "port/cortex_m/semihosting.hpp"
 
 extern "C" {
-extern std::uint32_t link_bss_begin, link_bss_end;
+extern std::uint32_t link_data_load, link_data_begin, link_data_end, link_bss_begin, link_bss_end;
 extern void (*const link_init_begin[])();
 extern void (*const link_init_end[])();
 int image_main(int argc, char** argv) __asm__("main");  // C++ lets nobody call main by name
@@ -32,9 +31,16 @@ inline int split(char* line, char** words, int words_max) noexcept {
     return count;
 }
 
-[[noreturn]] inline void enter() noexcept {
+/// Initial values from flash, zeros, constructors.
+inline void prepare_memory() noexcept {
+    const std::uint32_t* from = &link_data_load;
+    for (std::uint32_t* word = &link_data_begin; word < &link_data_end; ++word) *word = *from++;
     for (std::uint32_t* word = &link_bss_begin; word < &link_bss_end; ++word) *word = 0;
     for (auto init = link_init_begin; init != link_init_end; ++init) (*init)();
+}
+
+[[noreturn]] inline void enter() noexcept {
+    prepare_memory();
     static char line[512];
     static char* words[16];
     const int count = semihosting::command_line(line, sizeof line) ? split(line, words, 15) : 0;

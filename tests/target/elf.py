@@ -58,7 +58,7 @@ ARM_CONDITIONS = "eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le|al"
 
 
 def arm_step(instruction, literals):
-    name, text = instruction.name.replace(".w", "").replace(".n", ""), instruction.text
+    name, text = re.sub(r"\.[wn]$", "", instruction.name), instruction.text
     if name in ("push", "pop", "vpush", "vpop"):
         size = registers(text) * (8 if name.startswith("v") and "d" in text else 4)
         if name.endswith("pop"):
@@ -89,7 +89,7 @@ def arm_step(instruction, literals):
         return Step(jump=target_of(text))
     if re.match(r"b(%s)?$" % ARM_CONDITIONS, name):
         return Step(jump=target_of(text), falls=name not in ("b", "bal"))
-    if name == "udf":
+    if name.startswith(".") or name == "udf":  # data after a call that never returns
         return Step(falls=False)
     return Step()
 
@@ -113,7 +113,7 @@ def riscv_step(instruction, literals):
     if name == "jalr":
         callee = target_of(instruction.comment)
         return Step(call=callee) if callee is not None else Step(trouble="calls through a register")
-    if name in ("ret", "ebreak", "unimp"):
+    if name in ("ret", "ebreak", "unimp") or name.startswith("."):
         return Step(falls=False)
     if name == "jr":
         callee = target_of(instruction.comment)
@@ -140,6 +140,8 @@ class Image:
             step = step_of(i, known[i.address])
             if step.call is not None and step.call != entry and step.call in range(entry, functions[entry][1][-1].address):
                 step.jump, step.call, step.falls = step.call, None, False  # on v6-M a far jump inside a function is a bl
+            if step.call is not None and follower in functions:
+                step.falls = False  # the callee never returns
             self.flow[i.address], self.text[i.address] = (step, follower), (entry, i)
 
     def name(self, address):

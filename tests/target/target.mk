@@ -30,6 +30,9 @@ $(BUILD)/$(1)/%.o: tests/target/%.cpp
 $(BUILD)/$(1)/%.o: port/cortex_m/%.cpp
 	@mkdir -p $$(@D)
 	$(2) $(7) $$(FLAGS_$(1)) -MMD -MP -c $$< -o $$@
+$(BUILD)/$(1)/user.subject.o: $(CONFIG) tests/target/user.hpp tests/target/subject.cpp always
+	@mkdir -p $$(@D)
+	$(2) $(7) $$(FLAGS_$(1)) -DFAIRLEAD_CONFIG='"$(abspath $(CONFIG))"' -DFAIRLEAD_SUBJECT='"tests/target/user.hpp"' -c tests/target/subject.cpp -o $$@
 ifeq ($(3),-)
 FLAGS_$(1) := $(COMMON) -g
 $(BUILD)/$(1)/%.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,run stream platform_host,$(BUILD)/$(1)/$(o).o)
@@ -56,6 +59,25 @@ endef
 row = $(call machine,$(word 1,$(1)),$(word 2,$(1)),$(word 3,$(1)),$(word 4,$(1)),$(word 5,$(1)),$(word 6,$(1)),$(wordlist 7,99,$(1)))
 $(foreach core,$(CORES),$(eval $(call row,$(shell grep -E '^$(core) ' port/cortex_m/cores))))
 
+# ---- the firmware of examples/firmware, and what a host makes of its frames
+FIRMWARE := $(BUILD)/firmware
+FIRMWARE_FLAGS = $(wordlist 7,99,$(shell grep '^m4f ' port/cortex_m/cores)) $(COMMON) $(DEVICE) -Os -DNDEBUG
+$(FIRMWARE)/firmware.elf: $(wildcard examples/firmware/*) port/cortex_m/entry.hpp port/cortex_m/memory.ld $(shell find lib -name '*.hpp')
+	@mkdir -p $(@D)
+	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
+		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=64K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=16K \
+		examples/firmware/main.cpp examples/firmware/board_mps2.cpp -o $@
+$(FIRMWARE)/check_frames: $(wildcard examples/firmware/*) $(shell find lib -name '*.hpp')
+	@mkdir -p $(@D)
+	g++ $(COMMON) -O2 examples/firmware/check_frames.cpp -o $@
+.PHONY: firmware firmware-run
+firmware: $(FIRMWARE)/firmware.elf
+	tests/target/size.py $<
+firmware-run: $(FIRMWARE)/firmware.elf $(FIRMWARE)/check_frames
+	timeout 120 qemu-system-arm -M mps2-an386 -icount shift=3,sleep=off -nographic -monitor none -serial file:$(FIRMWARE)/frames.bin \
+		-semihosting-config enable=on,target=native -kernel $<
+	$(FIRMWARE)/check_frames $(FIRMWARE)/frames.bin
+
 $(BUILD)/count.so: tests/target/count.c
 	@mkdir -p $(@D)
 	$(CC) -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC $< -o $@
@@ -68,6 +90,15 @@ calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
 	tests/target/calibrate.py $(BUILD) $(EMULATED)
 bounds: measure
 	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(EMULATED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
+# a user's own configuration: CONFIG=header CORES=core, perhaps RECORDING=file BUDGET=instructions
+user: $(CORES:%=$(BUILD)/%/user.elf) $(CORES:%=$(BUILD)/%/user.bare.elf) $(CORES:%=$(BUILD)/%/none.bare.elf) $(BUILD)/count.so
+	tests/target/user.py --build $(BUILD) --core $(CORES) $(if $(RECORDING),--recording $(RECORDING)) $(if $(BUDGET),--budget $(BUDGET))
+recordings: images
+	tests/target/recordings.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES) $(if $(SOAK),--soak)
+search: $(SUBJECTS:%=$(BUILD)/m4f/%.elf) $(BUILD)/count.so
+	for s in $(SUBJECTS); do tests/target/search.py --build $(BUILD) --core m4f $(if $(KEEP),--keep) $(if $(SEED),--seed $(SEED)) $$s || exit 1; done
+.PHONY: user always recordings search
+always:
 search-trap: $(BUILD)/m4f/planted.elf $(BUILD)/count.so
 	tests/target/search.py --build $(BUILD) --core m4f planted --must-reach 6000
 same-bits: measure

@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""Does the firmware fit? Flash and static RAM from the image, the deepest stack by walking its code: main() and, on top of
+it, the interrupt, each with what the core itself saves. Fails above the limits."""
+import argparse
+import sys
+
+import elf
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--flash-max", type=int, default=48 * 1024)
+    parser.add_argument("--ram-max", type=int, default=16 * 1024)
+    parser.add_argument("image")
+    options = parser.parse_args()
+    image = elf.Image(options.image, "arm-none-eabi-")
+    flash, static = elf.sizes(options.image, "arm-none-eabi-")
+    interrupt = next(n for n in image.address if "tracker_interrupt" in n)
+    saved = 104 + 4  # an interrupt saves 26 words where floats are in use, and aligns
+    roots = ["main"] + [n for n in image.address if "_GLOBAL__sub_I" in n]  # constructors run before main()
+    start_up = 16  # what reset_handler itself keeps
+    stack = start_up + max(image.bound(image.address[r])[0] for r in roots) + saved + image.bound(image.address[interrupt])[0]
+    ram = static + stack
+    broken = elf.problems(image, options.image + ".map", roots + [interrupt])
+    print("firmware on Cortex-M4F: flash %d bytes, RAM %d bytes (static %d, stack at most %d)" % (flash, ram, static, stack))
+    for name, value, limit in (("flash", flash, options.flash_max), ("RAM", ram, options.ram_max)):
+        if value > limit:
+            broken.append("%s is %d bytes, the limit is %d" % (name, value, limit))
+    for b in broken:
+        print("FAIL firmware: " + b)
+    if broken:
+        sys.exit(1)
+    print("ok firmware fits in %d KB flash and %d KB RAM, without heap" % (options.flash_max // 1024, options.ram_max // 1024))
+
+
+if __name__ == "__main__":
+    main()
