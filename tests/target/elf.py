@@ -40,10 +40,11 @@ def target_of(text):
 
 
 class Step:
-    """One instruction as the stack sees it."""
+    """One instruction as the stack sees it. table: the jump goes to one of the targets that a table holds."""
 
-    def __init__(self, deeper=0, call=None, jump=None, falls=True, trouble=None):
-        self.deeper, self.call, self.jump, self.falls, self.trouble = deeper, call, jump, falls, trouble
+    def __init__(self, deeper=0, call=None, jump=None, falls=True, trouble=None, table=None):
+        self.deeper, self.call, self.falls, self.trouble, self.table = deeper, call, falls, trouble, table
+        self.jumps = [] if jump is None else [jump]
 
 
 def registers(text):
@@ -64,7 +65,7 @@ def arm_step(instruction, literals):
         if name.endswith("pop"):
             return Step(-size, falls="pc" not in text)
         return Step(size)
-    if re.match(r"(stmdb|stmfd|ldmia|ldmfd|ldm)", name) and text.startswith("sp!"):
+    if name in ("stmdb", "stmfd", "ldmia", "ldmfd", "ldm") and text.startswith("sp!"):
         size = 4 * registers(text)
         return Step(size) if name.startswith("st") else Step(-size, falls="pc" not in text)
     written = re.search(r"\[sp, #(-?\d+)\]!", text) or re.search(r"\[sp\], #(-?\d+)", text)
@@ -82,9 +83,16 @@ def arm_step(instruction, literals):
     if name in ("bl", "blx"):
         callee = target_of(text)
         return Step(call=callee) if callee is not None else Step(trouble="calls through a register")
+    if name == "mov" and text.startswith("pc, r"):
+        return Step(falls=False, table=4)
     if name == "bx":
         return Step(falls=False) if text in ("lr", "ip") or literals.get(text) == "popped" else \
             Step(falls=False, trouble="jumps through a register")
+    if name in ("tbb", "tbh"):
+        return Step(falls=False, table=1 if name == "tbb" else 2)
+    called = re.match(r"bl(%s)$" % ARM_CONDITIONS, name)
+    if called:
+        return Step(call=target_of(text))
     if name in ("cbz", "cbnz"):
         return Step(jump=target_of(text))
     if re.match(r"b(%s)?$" % ARM_CONDITIONS, name):
@@ -117,8 +125,7 @@ def riscv_step(instruction, literals):
         return Step(falls=False)
     if name == "jr":
         callee = target_of(instruction.comment)
-        return Step(jump=callee, falls=False, trouble=None if callee or "t0" in text or "a5" in text else
-                    "jumps through a register")
+        return Step(jump=callee, falls=False) if callee is not None else Step(falls=False, table=4)
     if name == "j":
         return Step(jump=target_of(text), falls=False)
     if name.startswith("b"):
@@ -126,23 +133,82 @@ def riscv_step(instruction, literals):
     return Step()
 
 
+class Memory:
+    """The code section as it is stored, constants included."""
+
+    def __init__(self, path, prefix):
+        out = subprocess.run([prefix + "objdump", "-s", "-j", ".text", path], capture_output=True, text=True,
+                             check=True).stdout
+        rows = re.findall(r"^ ([0-9a-f]+) ((?:[0-9a-f]{2,8} ){1,4})", out, re.M)
+        self.start = int(rows[0][0], 16)
+        self.data = bytes.fromhex("".join(words for _, words in rows))
+
+    def get(self, address, size):
+        at = address - self.start
+        return self.data[at:at + size] if 0 <= at <= len(self.data) - size else bytes(size)
+
+
 class Image:
+    """step and follower of every instruction, by address: self.flow[address] = (Step, address after it)."""
+
     def __init__(self, path, prefix):
         functions = disassemble(path, prefix)
         self.address = {name: at for at, (name, _) in functions.items()}
         self.names = {at: name for at, (name, _) in functions.items()}
         self.bounds, self.open, self.flow, self.text = {}, [], {}, {}
+        self.memory = Memory(path, prefix)
         step_of = arm_step if prefix.startswith("arm") else riscv_step
-        lines = [(entry, i) for entry, (_, body) in sorted(functions.items()) for i in body]
-        followers = [i.address for _, i in lines[1:]] + [None]
-        for (entry, i), follower in zip(lines, followers):
-            known = self.literals(functions[entry][1]) if i.address == entry or not self.flow else known
-            step = step_of(i, known[i.address])
-            if step.call is not None and step.call != entry and step.call in range(entry, functions[entry][1][-1].address):
-                step.jump, step.call, step.falls = step.call, None, False  # on v6-M a far jump inside a function is a bl
-            if step.call is not None and follower in functions:
-                step.falls = False  # the callee never returns
-            self.flow[i.address], self.text[i.address] = (step, follower), (entry, i)
+        for entry, (_, body) in functions.items():
+            known, last = self.literals(body), body[-1].address if body else entry
+            for n, i in enumerate(body):
+                step = step_of(i, known[i.address])
+                if step.call is not None and entry < step.call <= last:  # on v6-M a far jump inside a function is a bl
+                    step.jumps, step.call, step.falls = [step.call], None, False
+                if step.table:
+                    step.jumps = self.table(body, n, step.table)
+                    if not step.jumps:
+                        step.trouble = "jumps through a register"
+                self.flow[i.address], self.text[i.address] = [step, None], (entry, i)
+        order = sorted(self.flow)
+        for at, follower in zip(order, order[1:] + [None]):
+            self.flow[at][1] = follower
+            if self.flow[at][0].call is not None and follower in functions:
+                self.flow[at][0].falls = False  # the callee never returns
+
+    def table(self, body, n, size):
+        """Targets of a jump through a table: of halfwords behind the jump (tbb, tbh), or of offsets from the table."""
+        if size < 4:
+            base, end = body[n].address + 4, n + 1
+            while end < len(body) and body[end].name.startswith("."):
+                end += 1
+            limit = body[end].address if end < len(body) else base
+            entries = range(base, min(limit, base + 2 * size * 256), size)
+            jumps = {base + 2 * int.from_bytes(self.memory.get(a, size), "little") for a in entries}
+        else:
+            for base in self.table_bases(body, n):
+                jumps = self.offsets(body, base, base) or self.offsets(body, base, 0)
+                if jumps:
+                    break
+            else:
+                jumps = set()
+        inside = {i.address for i in body if not i.name.startswith(".")}
+        return sorted(jumps & inside)
+
+    def table_bases(self, body, n):
+        """Addresses that were loaded shortly before a computed jump."""
+        before = body[max(0, n - 10):n]
+        bases = [int(w[1], 16) for i in before for w in [re.match(r"([0-9a-f]+) <", i.comment)] if w]
+        return [v for v in self.literals(body)[body[n].address].values() if isinstance(v, int) and v > 0] + bases[::-1]
+
+    def offsets(self, body, base, origin):
+        """Targets in the body that words from base on name, counted from origin."""
+        targets = set()
+        for a in range(base, base + 4 * 256, 4):
+            target = (origin + int.from_bytes(self.memory.get(a, 4), "little", signed=True)) & 0xFFFFFFFF
+            if not body[0].address <= target <= body[-1].address:
+                break
+            targets.add(target)
+        return targets
 
     def name(self, address):
         return self.names.get(address, "0x%x" % address)
@@ -205,8 +271,7 @@ class Image:
             if step.call is not None:
                 below, chain = self.bound(step.call)
                 deepest = max(deepest, (depth + below, [name] + chain), key=lambda x: x[0])
-            if step.jump is not None:
-                todo.append((step.jump, depth))
+            todo += [(target, depth) for target in step.jumps]
             if step.falls:
                 todo.append((follower, depth))
         self.open.pop()
@@ -222,7 +287,7 @@ class Image:
                 continue
             seen.add(at)
             step, follower = self.flow[at]
-            todo += [t for t in (step.call, step.jump, follower if step.falls else None) if t is not None]
+            todo += [t for t in (step.call, follower if step.falls else None, *step.jumps) if t is not None]
         return seen
 
 
@@ -251,7 +316,7 @@ def problems(image, map_path, roots):
         if archive.startswith(("libm", "libc")) and not C_LIBRARY.search(member):
             found.append("C library: %s(%s) is linked in" % (archive, member))
     for at in sorted(image.reachable(roots)):
-        if FUSED.match(image.text[at][1].name):
+        if FUSED.match(image.text[at][1].name) and not image.home(at).startswith("__"):  # the compiler's own are exact
             found.append("fused multiply-add: %s in %s" % (image.text[at][1].name, image.home(at)))
             break
     return found

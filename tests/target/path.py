@@ -18,21 +18,21 @@ class Graph:
                 continue
             seen.add(at)
             step, follower = flow[at]
-            if step.jump is not None or step.call is not None:
-                starts.update(t for t in (step.jump, step.call, follower) if t is not None)
-            todo += [t for t in (step.jump, step.call, follower if step.falls else None) if t is not None]
+            if step.jumps or step.call is not None:
+                starts.update(t for t in (step.call, follower, *step.jumps) if t is not None)
+            todo += [t for t in (step.call, follower if step.falls else None, *step.jumps) if t is not None]
         self.size, self.next, self.calls = {}, {}, {}
         for start in sorted(starts & seen):
             at, size = start, 0
             while True:
                 step, follower = flow[at]
                 size += 1
-                ends = step.jump is not None or step.call is not None or not step.falls or follower in starts
+                ends = step.jumps or step.call is not None or not step.falls or follower in starts
                 if ends:
                     break
                 at = follower
             self.size[start] = size
-            self.next[start] = [t for t in (step.jump, follower if step.falls else None) if t in seen]
+            self.next[start] = list(dict.fromkeys(t for t in (*step.jumps, follower if step.falls else None) if t in seen))
             if step.call is not None:
                 self.calls.setdefault(step.call, []).append(start)
         self.entries = {root} | set(self.calls)
