@@ -74,9 +74,20 @@ port-device: setup-target ## the sensor drivers for a Cortex-M4F: no heap, no ex
 	@echo "ok port-device: no heap, no exceptions" && arm-none-eabi-size $(BUILD)/device/drivers.o
 
 # ---- the gateway: Modbus, sources, configuration, and the reader for the other side
-GATEWAY_LIBS  := -lmodbus
+GATEWAY_LIBS    := -lmodbus
+GATEWAY_MAINS   := $(wildcard examples/gateway/*_main.cpp)
+GATEWAY_SOURCES := $(filter-out $(GATEWAY_MAINS),$(sort $(wildcard examples/gateway/*.cpp)))
+$(BUILD)/libgateway.a: $(call objects,$(GATEWAY_SOURCES))
+	@rm -f $@ && $(AR) rcs $@ $^
+$(BUILD)/fairlead-registers: $(call objects,examples/gateway/registers_main.cpp) $(BUILD)/libgateway.a
+	$(CXX) $(HOST) $^ -o $@
+.PHONY: registers
+registers:       ## write docs/registers.md and the client configurations from the register map
+registers: $(BUILD)/fairlead-registers
+	@mkdir -p examples/gateway/clients
+	@$<
 GATEWAY_TESTS := $(sort $(wildcard tests/gateway/*.cpp))
-$(BUILD)/tests/gateway: $(call objects,$(GATEWAY_TESTS)) $(BUILD)/libport.a $(BUILD)/libsim.a
+$(BUILD)/tests/gateway: $(call objects,$(GATEWAY_TESTS)) $(BUILD)/libgateway.a $(BUILD)/libport.a $(BUILD)/libsim.a
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgtest -lgtest_main $(GATEWAY_LIBS) -o $@
 

@@ -1,0 +1,82 @@
+#pragma once
+// A span as the history carries it: the polynomial with which the decoder itself evaluates, so that
+// a reader has the same curve bit for bit. Scaling by the channel's unit, a power of two, is exact.
+#include <array>
+#include <cstdint>
+
+#include "fairlead/base/types.hpp"
+#include "port/linux/registers.hpp"
+
+namespace fairlead::port {
+
+enum class CurveChannel : std::uint8_t { orientation = 0, position = 1 };
+
+struct CurveSpan {
+    CurveChannel channel{};
+    bool after_gap{};
+    std::int64_t t0_ns{};
+    std::uint32_t tick_ns{1};
+    std::uint32_t cover_ticks{};
+    std::array<std::array<float, 3>, 4> c{};
+    Quat anchor{};
+
+    std::int64_t t1_ns() const noexcept {
+        return t0_ns + std::int64_t{cover_ticks} * std::int64_t{tick_ns};
+    }
+};
+
+namespace registers {
+
+inline void put_span(std::uint16_t* at, const CurveSpan& span) noexcept {
+    Writer writer{at, span_fields};
+    writer.i64(span.t0_ns).u32(span.cover_ticks);
+    for (const auto& power : span.c) writer.f32(power[0]).f32(power[1]).f32(power[2]);
+    const Quat& a = span.anchor;
+    writer.f32(a.w).f32(a.x).f32(a.y).f32(a.z).u16(span.after_gap ? 1 : 0);
+}
+
+inline CurveSpan get_span(const std::uint16_t* at, CurveChannel channel,
+                          std::uint32_t tick_ns) noexcept {
+    CurveSpan span;
+    span.channel = channel;
+    span.tick_ns = tick_ns;
+    span.t0_ns = static_cast<std::int64_t>(get(at, 4));
+    span.cover_ticks = static_cast<std::uint32_t>(get(at + 4, 2));
+    const std::uint16_t* value = at + 6;
+    for (auto& power : span.c) {
+        for (float& component : power) {
+            component = get_f32(value);
+            value += 2;
+        }
+    }
+    span.anchor = {get_f32(value), get_f32(value + 2), get_f32(value + 4), get_f32(value + 6)};
+    span.after_gap = (value[8] & 1u) != 0;
+    return span;
+}
+
+struct PageHeader {
+    std::uint32_t epoch{};
+    std::uint32_t first{};
+    std::uint16_t count{};
+    std::uint16_t channel{};
+    std::uint32_t tick_ns{};
+};
+inline void put_page_header(std::uint16_t* at, const PageHeader& h) noexcept {
+    Writer{at, page_fields}.u32(h.epoch).u32(h.first).u16(h.count).u16(h.channel).u32(h.tick_ns);
+}
+inline PageHeader get_page_header(const std::uint16_t* at) noexcept {
+    return {static_cast<std::uint32_t>(get(at, 2)), static_cast<std::uint32_t>(get(at + 2, 2)),
+            at[4], at[5], static_cast<std::uint32_t>(get(at + 6, 2))};
+}
+
+constexpr std::uint16_t history_begin(CurveChannel channel) noexcept {
+    return channel == CurveChannel::orientation ? orientation_begin : position_begin;
+}
+/// Where the page stands that holds record n, and where in it the record stands.
+constexpr std::uint16_t page_address(std::uint16_t begin, std::uint32_t n, std::uint16_t per_page,
+                                     std::uint16_t pages) noexcept {
+    return static_cast<std::uint16_t>(begin + (n / per_page) % pages * page_size);
+}
+
+}  // namespace registers
+}  // namespace fairlead::port
