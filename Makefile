@@ -74,13 +74,17 @@ port-device: setup-target ## the sensor drivers for a Cortex-M4F: no heap, no ex
 	@echo "ok port-device: no heap, no exceptions" && arm-none-eabi-size $(BUILD)/device/drivers.o
 
 # ---- the gateway: Modbus, sources, configuration, and the reader for the other side
-GATEWAY_LIBS    := -lmodbus
+GATEWAY_LIBS    := -lmodbus -lsystemd
 GATEWAY_MAINS   := $(wildcard examples/gateway/*_main.cpp)
 GATEWAY_SOURCES := $(filter-out $(GATEWAY_MAINS),$(sort $(wildcard examples/gateway/*.cpp)))
 $(BUILD)/libgateway.a: $(call objects,$(GATEWAY_SOURCES))
 	@rm -f $@ && $(AR) rcs $@ $^
-$(BUILD)/fairlead-registers: $(call objects,examples/gateway/registers_main.cpp) $(BUILD)/libgateway.a
-	$(CXX) $(HOST) $^ -o $@
+$(BUILD)/fairlead-%: $(BUILD)/obj/examples/gateway/%_main.o $(BUILD)/libgateway.a $(BUILD)/libport.a $(BUILD)/libsim.a
+	$(CXX) $(HOST) $^ $(GATEWAY_LIBS) -o $@
+.SECONDARY: $(call objects,$(GATEWAY_MAINS))
+.PHONY: gateway
+gateway: setup-build setup-gateway ## build the gateway and its reader: build/fairlead-gateway, build/fairlead-poll
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll
 .PHONY: registers
 registers:       ## write docs/registers.md and the client configurations from the register map
 registers: $(BUILD)/fairlead-registers

@@ -12,16 +12,16 @@ enum class SourceKind : std::uint16_t { replay = 1, serial = 2, sensor = 3 };
 
 /// Everything that a source knows about itself, and the newest pose. One copy, published whole.
 struct UnitState {
-    std::uint32_t epoch{};          // of the run that it belongs to
-    std::uint32_t sequence{};       // of the pose; 0: none yet
-    std::int64_t t_ns{};            // when it was true, gateway's clock
-    std::int64_t source_ns{};       // the same, source's clock
-    std::int64_t arrival_ns{};      // when its bytes or samples arrived, gateway's clock
+    std::uint32_t epoch{};      // of the run that it belongs to
+    std::uint32_t sequence{};   // of the pose; 0: none yet
+    std::int64_t t_ns{};        // when it was true, gateway's clock
+    std::int64_t source_ns{};   // the same, source's clock
+    std::int64_t arrival_ns{};  // when its bytes or samples arrived, gateway's clock
     Quat q_wb{};
     Vec3 p_w_m{};
     Vec3 rate_rad_s{};
     Vec3 v_w_m_s{};
-    std::uint16_t status{};         // port::registers::status_bit
+    std::uint16_t status{};  // port::registers::status_bit
     std::uint32_t clock_error_ns{0xFFFF'FFFF};
     std::uint32_t period_us{};
 

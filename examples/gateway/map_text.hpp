@@ -1,5 +1,6 @@
 #pragma once
-// The register map as other people's tools want it. All of it is printed from port/linux/registers.hpp.
+// The register map as other people's tools want it. All of it is printed from
+// port/linux/registers.hpp.
 #include <array>
 #include <string>
 

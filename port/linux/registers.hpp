@@ -22,8 +22,10 @@ enum class Type : std::uint8_t { u16, u32, u64, i64, f32, text };
 constexpr std::uint16_t width_of(Type type) noexcept {
     switch (type) {
         case Type::u16: return 1;
-        case Type::u32: case Type::f32: return 2;
-        case Type::u64: case Type::i64: return 4;
+        case Type::u32:
+        case Type::f32: return 2;
+        case Type::u64:
+        case Type::i64: return 4;
         case Type::text: return 8;  // 16 characters, padded with NUL
     }
     return 0;
@@ -45,21 +47,21 @@ constexpr std::array<Field, N> rows(const Field (&list)[N]) noexcept {
     return out;
 }
 
-inline constexpr std::uint32_t magic = 0x464C'4431;  // "FLD1"
+inline constexpr std::uint32_t magic = 0x464C'4431;   // "FLD1"
 inline constexpr std::uint16_t map_version = 0x0100;  // major, minor
 
-inline constexpr std::uint16_t page_size = 125;       // one request
-inline constexpr std::uint16_t page_header = 8;       // registers before a page's records
-inline constexpr std::uint16_t span_size = 39;        // registers
+inline constexpr std::uint16_t page_size = 125;  // one request
+inline constexpr std::uint16_t page_header = 8;  // registers before a page's records
+inline constexpr std::uint16_t span_size = 39;   // registers
 inline constexpr std::uint16_t spans_per_page = 3;
-inline constexpr std::uint16_t history_pages = 128;   // per channel
+inline constexpr std::uint16_t history_pages = 128;  // per channel
 inline constexpr std::uint16_t event_size = 6;
 inline constexpr std::uint16_t events_per_page = 19;
 inline constexpr std::uint16_t event_pages = 4;
 
 inline constexpr std::uint16_t live_begin = 32;
 inline constexpr std::uint16_t live_size = 44;
-inline constexpr std::uint16_t state_size = 64;       // the live and the stream block in one request
+inline constexpr std::uint16_t state_size = 64;  // the live and the stream block in one request
 inline constexpr std::uint16_t events_begin = 256;
 inline constexpr std::uint16_t orientation_begin = 1000;
 inline constexpr std::uint16_t position_begin = orientation_begin + history_pages * page_size;
@@ -70,9 +72,9 @@ namespace status_bit {
 enum : std::uint16_t {
     valid_orientation = 1u << 0,
     valid_position = 1u << 1,
-    stale = 1u << 2,         // nothing new for longer than the unit's stale time
-    no_data = 1u << 3,       // nothing at all since this run began
-    gap = 1u << 4,           // the newest span began after a gap
+    stale = 1u << 2,    // nothing new for longer than the unit's stale time
+    no_data = 1u << 3,  // nothing at all since this run began
+    gap = 1u << 4,      // the newest span began after a gap
     rest = 1u << 5,
     settling = 1u << 6,
     mag_rejected = 1u << 7,
@@ -125,7 +127,8 @@ inline constexpr auto fields = rows({
     {82, Type::i64, "clock.source_ns", "ns", "live.t_ns on the source's own clock"},
     {86, Type::i64, "clock.offset_ns", "ns", "gateway's clock minus source's clock"},
     {90, Type::u32, "clock.error_ns", "ns", "bound of the offset's error; 0xFFFFFFFF: none known"},
-    {92, Type::u32, "history.dropped", "", "spans that were lost inside the gateway: 0 unless stalled"},
+    {92, Type::u32, "history.dropped", "",
+     "spans that were lost inside the gateway: 0 unless stalled"},
     {94, Type::u16, "history.pages", "", "pages per channel"},
     {95, Type::u16, "history.spans_per_page", "", "spans in a full page"},
 
@@ -141,8 +144,10 @@ inline constexpr auto fields = rows({
     {114, Type::u32, "health.source_lost", "", "times that it went away"},
     {116, Type::u32, "health.period_us", "us", "nominal time from sample to sample"},
     {118, Type::u32, "health.publish_us", "us", "arrival to publication, the latest"},
-    {120, Type::u32, "health.publish_max_us", "us", "arrival to publication, the longest of this run"},
-    {122, Type::u32, "health.deadline_misses", "", "publications later than two periods after arrival"},
+    {120, Type::u32, "health.publish_max_us", "us",
+     "arrival to publication, the longest of this run"},
+    {122, Type::u32, "health.deadline_misses", "",
+     "publications later than two periods after arrival"},
 
     {128, Type::u32, "server.uptime_s", "s", "since the program started"},
     {130, Type::u32, "server.clients", "", "TCP connections now"},
@@ -155,7 +160,8 @@ inline constexpr auto fields = rows({
     {144, Type::u32, "server.refused_network", "", "connections from networks not allowed"},
     {146, Type::u32, "server.refused_full", "", "connections beyond the limits"},
     {148, Type::u32, "server.closed_protocol", "", "connections closed: not Modbus"},
-    {150, Type::u32, "server.closed_deadline", "", "connections closed: frame not finished in time"},
+    {150, Type::u32, "server.closed_deadline", "",
+     "connections closed: frame not finished in time"},
     {152, Type::u32, "server.closed_idle", "", "connections closed: no request for too long"},
     {154, Type::u32, "server.closed_slow_reader", "", "connections closed: answers not taken"},
     {156, Type::u32, "server.rtu_damaged", "", "RTU frames with a wrong checksum, cut or overlong"},
@@ -174,8 +180,8 @@ inline constexpr auto fields = rows({
     {17004, Type::u16, "position.count", "", "spans in this page, at most 3"},
 });
 
-// ---- pages: a header, then records. Page k of a channel stands at its begin + 125 k, and span n in
-// page (n / 3) mod 128. A page is read in one request and says itself where it belongs.
+// ---- pages: a header, then records. Page k of a channel stands at its begin + 125 k, and span n
+// in page (n / 3) mod 128. A page is read in one request and says itself where it belongs.
 inline constexpr auto page_fields = rows({
     {0, Type::u32, "epoch", "", "as unit.epoch; 0: the page was never written"},
     {2, Type::u32, "first", "", "number of its first record, a multiple of the records per page"},
@@ -188,7 +194,8 @@ inline constexpr auto page_fields = rows({
 /// position: y; orientation: anchor * (sqrt(1 - |y|^2 / 4), y / 2).
 inline constexpr auto span_fields = rows({
     {0, Type::i64, "t0_ns", "ns", "its knot, on the source's clock"},
-    {4, Type::u32, "cover_ticks", "", "valid for 0 <= u <= cover_ticks; grows while it is the newest"},
+    {4, Type::u32, "cover_ticks", "",
+     "valid for 0 <= u <= cover_ticks; grows while it is the newest"},
     {6, Type::f32, "c0_x", "m or rad", "value at the knot"},
     {8, Type::f32, "c0_y", "m or rad", ""},
     {10, Type::f32, "c0_z", "m or rad", ""},
@@ -205,7 +212,7 @@ inline constexpr auto span_fields = rows({
     {32, Type::f32, "anchor_x", "1", ""},
     {34, Type::f32, "anchor_y", "1", ""},
     {36, Type::f32, "anchor_z", "1", ""},
-    {38, Type::u16, "flags", "bits", "1: begins after a gap"},
+    {38, Type::u16, "flags", "bits", "1: joins no span before it; 2: its end belongs to the next"},
 });
 
 inline constexpr auto event_fields = rows({

@@ -38,7 +38,8 @@ CurveSpan span_number(unsigned n, CurveChannel channel) {
         for (unsigned d = 0; d < 3; ++d) span.c[m][d] = 0.1f * static_cast<float>(n + 10 * m + d);
     }
     span.anchor = {0.5f, -0.5f, 0.5f, -0.5f};
-    span.after_gap = n % 7 == 0;
+    span.begins = n % 7 == 0;
+    span.ends_open = n % 3 == 0;
     return span;
 }
 
@@ -64,7 +65,7 @@ TEST(RegisterMap, TelegrafConfigurationKeepsToItsDocumentedSchema) {
     const toml::table root = toml::parse(map_telegraf());
     const auto& plugin = *(*root["inputs"]["modbus"].as_array())[0].as_table();
     EXPECT_EQ(plugin["configuration_type"].value<std::string>(), "request");
-    const std::set<std::string> types{"INT16",  "UINT16", "INT32",   "UINT32",  "INT64",
+    const std::set<std::string> types{"INT16",  "UINT16",  "INT32",   "UINT32", "INT64",
                                       "UINT64", "FLOAT32", "FLOAT64", "STRING"};
     for (const auto& node : *plugin["request"].as_array()) {
         const auto& request = *node.as_table();
@@ -173,22 +174,23 @@ TEST_F(UnitTableTest, HistoryPagesSayWhereTheyBelongAndCarryEveryBit) {
     EXPECT_EQ(word(r, "orientation.next"), count);
     EXPECT_EQ(word(r, "position.next"), (count + 1) / 2);
     for (unsigned n = count - 3 * 127; n < count; ++n) {
-        const std::uint16_t* page =
-            r + reg::page_address(reg::orientation_begin, n, reg::spans_per_page, reg::history_pages);
+        const std::uint16_t* page = r + reg::page_address(reg::orientation_begin, n,
+                                                          reg::spans_per_page, reg::history_pages);
         const reg::PageHeader header = reg::get_page_header(page);
         ASSERT_EQ(header.epoch, 0xDEADBEEFu);
         ASSERT_EQ(header.first, n / 3 * 3);
         ASSERT_LT(n - header.first, header.count);
-        const CurveSpan got = reg::get_span(
-            page + reg::page_header + (n - header.first) * reg::span_size,
-            CurveChannel::orientation, header.tick_ns);
+        const CurveSpan got =
+            reg::get_span(page + reg::page_header + (n - header.first) * reg::span_size,
+                          CurveChannel::orientation, header.tick_ns);
         const CurveSpan put = span_number(n, CurveChannel::orientation);
         EXPECT_EQ(got.t0_ns, put.t0_ns);
         EXPECT_EQ(got.tick_ns, put.tick_ns);
         EXPECT_EQ(got.cover_ticks, put.cover_ticks);
         EXPECT_EQ(got.c, put.c);
         EXPECT_EQ(got.anchor.z, put.anchor.z);
-        EXPECT_EQ(got.after_gap, put.after_gap);
+        EXPECT_EQ(got.begins, put.begins);
+        EXPECT_EQ(got.ends_open, put.ends_open);
     }
 }
 
@@ -210,7 +212,8 @@ TEST_F(UnitTableTest, AnExtensionRewritesTheNewestSpanOfItsChannelOnly) {
 TEST_F(UnitTableTest, ARestartOfTheSourceLeavesNothingOfTheRunBefore) {
     for (unsigned n = 0; n < 10; ++n) add(CurveChannel::orientation, n);
     ASSERT_TRUE(feed_->spans.push({{}, SpanKind::restart, 0xFEED}));
-    ASSERT_TRUE(feed_->spans.push({span_number(0, CurveChannel::orientation), SpanKind::append, 0}));
+    ASSERT_TRUE(
+        feed_->spans.push({span_number(0, CurveChannel::orientation), SpanKind::append, 0}));
     const std::uint16_t* r = refreshed();
     EXPECT_EQ(word(r, "unit.epoch"), 0xFEEDu);
     EXPECT_EQ(word(r, "orientation.next"), 1u);

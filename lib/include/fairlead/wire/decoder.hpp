@@ -68,6 +68,8 @@ class Decoder {
     const wire::Link<Position>& position() const noexcept { return position_; }
     const wire::Link<Orientation>& orientation() const noexcept { return orientation_; }
     std::uint32_t tick_ns() const noexcept { return header_.tick_ns; }
+    /// The encoder's time, within a tick, when it made the latest restart frame.
+    std::int64_t restart_ns() const noexcept { return header_.base_ns; }
     const Counters& counters() const noexcept { return counters_; }
 
   private:

@@ -1,0 +1,69 @@
+#pragma once
+// What the gateway is told to do: one TOML file (examples/gateway/gateway.toml shows every key), or
+// nothing but a recording to replay. Every mistake is reported with its line before anything
+// starts.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "examples/gateway/feed.hpp"
+#include "examples/gateway/log.hpp"
+#include "port/linux/modbus_tcp.hpp"
+#include "port/linux/serial.hpp"
+
+namespace fairlead::gateway {
+
+struct RtuConfig {
+    std::string device;
+    port::SerialConfig line{19200, port::Parity::even, 1};
+    bool rs485{};
+};
+
+struct UnitConfig {
+    int id{1};
+    std::string name;
+    SourceKind source{SourceKind::replay};
+    double stale_s{2};
+
+    std::string file;  // replay
+    double speed{1};   // times real time
+    bool loop{};
+
+    std::string device;  // serial line
+    port::SerialConfig line{};
+
+    // replay: what the reducer keeps
+    double tolerance_m{0.001};
+    double tolerance_deg{0.25};
+};
+
+struct Config {
+    std::vector<port::Endpoint> listen;
+    std::vector<port::Network> allow;
+    bool expose{};
+    port::ModbusTcpLimits limits{};
+    std::optional<RtuConfig> rtu;
+    std::vector<UnitConfig> units;
+    Level log_level{Level::info};
+};
+
+/// Two units with equal settings need no restart when the configuration is read again.
+bool operator==(const UnitConfig& a, const UnitConfig& b);
+/// The same of everything that the server is opened with.
+bool same_server(const Config& a, const Config& b);
+
+/// Loopback only, no units.
+Config default_config();
+
+struct ConfigResult {
+    Config config;
+    std::vector<std::string> errors;  // "file:line: what is wrong"
+};
+ConfigResult read_config(const std::string& path);
+ConfigResult parse_config(const std::string& text, const std::string& path);
+
+/// What no single value shows: two units with one id, an open door that nobody asked for.
+void check_config(const Config& config, const std::string& where, std::vector<std::string>& errors);
+
+}  // namespace fairlead::gateway

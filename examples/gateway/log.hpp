@@ -1,0 +1,49 @@
+#pragma once
+// One line per event on standard error: level, event, then key=value. No allocation, one write.
+//
+//   LogLine{Level::info, "listening"}.add("address", "127.0.0.1:1502");
+//   -> info listening address=127.0.0.1:1502
+// Under systemd the line carries the journal's priority prefix; the journal adds the time.
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <type_traits>
+
+namespace fairlead::gateway {
+
+enum class Level : std::uint8_t { error, warning, info, debug };
+
+class LogLine {
+  public:
+    LogLine(Level level, std::string_view event) noexcept;
+    ~LogLine();
+    LogLine(const LogLine&) = delete;
+    LogLine& operator=(const LogLine&) = delete;
+
+    /// Text with a space, a quote or an equals sign in it is quoted.
+    LogLine& add(std::string_view key, std::string_view text) noexcept;
+    LogLine& add(std::string_view key, const char* text) noexcept {
+        return add(key, std::string_view{text});
+    }
+    template <class Number, std::enable_if_t<std::is_integral_v<Number>, int> = 0>
+    LogLine& add(std::string_view key, Number number) noexcept {
+        return add_number(key, static_cast<std::int64_t>(number));
+    }
+
+    static void set_threshold(Level level) noexcept { threshold_ = level; }
+
+  private:
+    LogLine& add_number(std::string_view key, std::int64_t number) noexcept;
+    void put(std::string_view text) noexcept;
+    void put(char letter) noexcept { put(std::string_view{&letter, 1}); }
+
+    static std::atomic<Level> threshold_;
+
+    bool wanted_;
+    std::array<char, 512> line_{};
+    std::size_t used_{};
+};
+
+}  // namespace fairlead::gateway
