@@ -82,9 +82,20 @@ $(BUILD)/libgateway.a: $(call objects,$(GATEWAY_SOURCES))
 $(BUILD)/fairlead-%: $(BUILD)/obj/examples/gateway/%_main.o $(BUILD)/libgateway.a $(BUILD)/libport.a $(BUILD)/libsim.a
 	$(CXX) $(HOST) $^ $(GATEWAY_LIBS) -o $@
 .SECONDARY: $(call objects,$(GATEWAY_MAINS))
+GATEWAY_MEASURE := $(sort $(wildcard tests/gateway/measure/*.cpp))
+$(BUILD)/fairlead-gateway-measure: $(call objects,$(GATEWAY_MEASURE)) $(BUILD)/libgateway.a $(BUILD)/libport.a $(BUILD)/libsim.a
+	$(CXX) $(HOST) $^ $(GATEWAY_LIBS) -o $@
 .PHONY: gateway
 gateway: setup-build setup-gateway ## build the gateway and its reader: build/fairlead-gateway, build/fairlead-poll
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll
+.PHONY: gateway-peers gateway-measure
+gateway-peers: setup-gateway setup-modbus-peers ## other people's Modbus clients against the gateway, TCP and RTU
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll
+	@/usr/bin/python3 tests/gateway/peers.py $(BUILD)
+gateway-measure: setup-gateway ## the figures of docs/gateway.md: a quarter of an hour
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-gateway-measure
+	@set -e; for what in torn load history noise restart '--seconds 600 memory'; do \
+	    echo "fairlead-gateway-measure $$what"; $(BUILD)/fairlead-gateway-measure $$what; done
 .PHONY: registers
 registers:       ## write docs/registers.md and the client configurations from the register map
 registers: $(BUILD)/fairlead-registers
@@ -124,7 +135,7 @@ $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
 help:            ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/^([a-z-]+):.*## /  \1|/' | column -t -s'|'
 
-.PHONY: setup-build setup-gateway setup-demo setup-test setup-clang setup-lint
+.PHONY: setup-build setup-gateway setup-modbus-peers setup-demo setup-test setup-clang setup-lint
 setup-%:
 	@.ci/setup $*
 

@@ -91,8 +91,9 @@ class Board : public Source {
         }
     }
 
-    void show(std::int64_t arrival_ns, const CurveFollower& follower, UnitFeed& feed,
+    void show(std::int64_t arrival_ns, CurveFollower& follower, UnitFeed& feed,
               UnitState& state) noexcept {
+        follower.evaluate();
         state.arrival_ns = arrival_ns;
         // the grid of knots is as fine as the samples are close
         state.period_us = follower.decoder().tick_ns() / 1000;

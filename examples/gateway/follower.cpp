@@ -79,17 +79,7 @@ bool CurveFollower::take(const std::uint8_t* bytes, std::size_t size) noexcept {
     }
     state_.frames = decoder_.counters().frames;
     state_.frames_damaged = decoder_.counters().damaged;
-    if (decoder_.counters().frames == frames) return false;
-    evaluate();
-    return true;
-}
-
-bool CurveFollower::finish() noexcept {
-    const std::uint32_t frames = decoder_.counters().frames;
-    if (decoder_.finish()) follow();
-    if (decoder_.counters().frames == frames) return false;
-    evaluate();
-    return true;
+    return decoder_.counters().frames != frames;
 }
 
 void CurveFollower::follow() noexcept {
@@ -167,7 +157,6 @@ void CurveFollower::send(const SpanItem& item) noexcept {
     ++state_.spans_dropped;
 }
 
-/// The pose at the newest time that every channel still alive covers.
 void CurveFollower::evaluate() noexcept {
     const auto end = [](const OpenCurve& c) {
         return c.has_any() ? c.newest().t1_ns() : INT64_MIN;

@@ -39,10 +39,10 @@ class CurveFollower {
     CurveFollower(UnitFeed& feed, UnitState& state, WhenFull when_full) noexcept
         : feed_{feed}, state_{state}, when_full_{when_full} {}
 
-    /// Bytes as they come. @return true when the curves, and with them the state's pose, went on.
+    /// Bytes as they come. @return true when the curves went on.
     bool take(const std::uint8_t* bytes, std::size_t size) noexcept;
-    /// No more bytes will come.
-    bool finish() noexcept;
+    /// The state's pose: the newest time that every channel still alive covers.
+    void evaluate() noexcept;
 
     /// A new run of the source: nothing joins it to what was before.
     void restart() noexcept;
@@ -57,7 +57,6 @@ class CurveFollower {
     void open(OpenCurve& curve, const port::CurveSpan& span) noexcept;
     void send_newest(OpenCurve& curve) noexcept;
     void send(const SpanItem& item) noexcept;
-    void evaluate() noexcept;
 
     UnitFeed& feed_;
     UnitState& state_;

@@ -63,7 +63,8 @@ class Chain {
         return {bytes.data, bytes.data + bytes.size};
     }
     void arrive(const std::vector<std::uint8_t>& bytes) {
-        if (follower->take(bytes.data(), bytes.size())) feed->state.write(state);
+        if (follower->take(bytes.data(), bytes.size())) follower->evaluate();
+        feed->state.write(state);
         table->collect(*feed);
     }
     void reboot(std::int64_t start_ns) {
