@@ -7,6 +7,7 @@
 
 #include "examples/firmware/config.hpp"
 #include "examples/firmware/motion.hpp"
+#include "fairlead/reduce/evaluate.hpp"
 #include "fairlead/wire/decoder.hpp"
 
 namespace {
@@ -44,9 +45,8 @@ class Track {
             while (piece != pieces_.rend() && piece->curve.span.t0_ns > t_ns) ++piece;
             if (piece == pieces_.rend() || t_ns > piece->until_ns) return -1;
             const auto& curve = piece->curve;
-            const fairlead::Polynomial<3, 4> polynomial{curve.span};
-            const float u = fairlead::ticks_between(curve.span.t0_ns, t_ns, decoder.tick_ns());
-            const float e = error(curve.value(polynomial(u), link.scale), motion::at(t_ns));
+            const auto value = fairlead::value_at(curve, link.scale, decoder.tick_ns(), t_ns);
+            const float e = error(value, motion::at(t_ns));
             worst = e > worst ? e : worst;
         }
         return worst;
@@ -54,7 +54,7 @@ class Track {
 
   private:
     struct Piece {
-        typename Channel::Curve curve;
+        fairlead::Curve<Channel> curve;
         std::int64_t until_ns;
     };
     std::vector<Piece> pieces_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fairlead/pipeline.hpp"
+#include "fairlead/reduce/evaluate.hpp"
 #include "fairlead/wire/decoder.hpp"
 
 using namespace fairlead;
@@ -22,7 +23,7 @@ struct Config : PipelineConfig {
 template <class Channel>
 struct Store {  // all pieces that a decoder has told, on the host
     struct Piece {
-        typename Channel::Curve curve;
+        Curve<Channel> curve;
         bool begins;
     };
     std::vector<Piece> pieces;
@@ -44,9 +45,7 @@ struct Store {  // all pieces that a decoder has told, on the host
         for (std::size_t i = pieces.size(); i-- > 0;) {
             if (pieces[i].curve.span.t0_ns > t) continue;
             if (t > covered[i]) return false;
-            const Polynomial<Channel::dimension, Channel::order> p{pieces[i].curve.span};
-            value = pieces[i].curve.value(p(ticks_between(pieces[i].curve.span.t0_ns, t, tick_ns)),
-                                          scale);
+            value = value_at(pieces[i].curve, scale, tick_ns, t);
             return true;
         }
         return false;

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "fairlead/reduce/chart.hpp"
+#include "fairlead/math/quat.hpp"
 #include "fairlead/reduce/span.hpp"
 
 namespace fairlead {
@@ -26,8 +26,6 @@ struct VectorChannel {
 
     using Value = std::array<float, D>;
     using Tolerance = std::array<float, D>;
-    struct Witness {};  // what the window keeps of a sample beside its coordinates: nothing
-
     /// The units of the curve: powers of two just below the tolerances, so that scaling is exact.
     struct Scale {
         std::array<std::int8_t, D> exponent{};
@@ -41,31 +39,31 @@ struct VectorChannel {
         return s;
     }
 
-    /// A curve as both ends hold it.
-    struct Curve {
-        Span<D, Order> span{};
+    static const Value& continued(const Value&, const Value& v) noexcept { return v; }
 
-        void begin(const Scale&, const Value&) noexcept { span = {}; }
+    static std::array<float, D> coordinates(const Value& v, const Scale& s) noexcept {
+        std::array<float, D> x;
+        for (std::size_t d = 0; d < D; ++d) x[d] = v[d] * power_of_two(-s.exponent[d]);
+        return x;
+    }
 
-        /// Moves on to the knot `ticks` later and adds the jump of the highest derivative.
-        void advance(std::uint32_t ticks, const std::array<std::int32_t, D>& jump, const Scale&,
-                     std::uint32_t tick_ns) noexcept {
-            span = carried(span, ticks, tick_ns);
-            for (std::size_t d = 0; d < D; ++d) span.c[Order - 1][d] += jump[d];
-        }
+    static Value value(const std::array<float, D>& units, const Scale& s) noexcept {
+        Value v;
+        for (std::size_t d = 0; d < D; ++d) v[d] = units[d] * s.unit(d);
+        return v;
+    }
 
-        Value value(const std::array<float, D>& units, const Scale& s) const noexcept {
-            Value v;
-            for (std::size_t d = 0; d < D; ++d) v[d] = units[d] * s.unit(d);
-            return v;
-        }
-
-        std::array<float, D> coordinates(const Value& v, const Scale& s, Witness&) const noexcept {
-            std::array<float, D> x;
-            for (std::size_t d = 0; d < D; ++d) x[d] = v[d] * power_of_two(-s.exponent[d]);
-            return x;
-        }
-    };
+    /// A jump of the highest coefficient as it is sent, and back: as it is.
+    static constexpr const std::array<float, D>& to_wire(const std::array<float, D>& jump,
+                                                         const std::array<float, D>&) noexcept {
+        return jump;
+    }
+    static constexpr const std::array<float, D>& from_wire(const std::array<float, D>& sent,
+                                                           const std::array<float, D>&) noexcept {
+        return sent;
+    }
+    /// Which of a jump's components share an adaptive code: all.
+    static constexpr std::size_t model(std::size_t) noexcept { return 0; }
 
     /// Tests samples against a curve; made once from the tolerance.
     struct Judge {
@@ -90,9 +88,21 @@ struct VectorChannel {
             return true;
         }
 
+        /// b - a in tolerances, seen from b.
+        std::array<float, D> difference(const Value& a, const Value& b) const noexcept {
+            std::array<float, D> out;
+            for (std::size_t d = 0; d < D; ++d) out[d] = (b[d] - a[d]) / limit[d];
+            return out;
+        }
+        /// b, `change` tolerances on.
+        Value moved(const Value& b, const std::array<float, D>& change) const noexcept {
+            Value out;
+            for (std::size_t d = 0; d < D; ++d) out[d] = b[d] + change[d] * limit[d];
+            return out;
+        }
+
         /// Error of curve coordinates y at coordinates x, 1 at the tolerance: for planning.
-        float error(const std::array<float, D>& y, const std::array<float, D>& x,
-                    const Witness&) const noexcept {
+        float error(const std::array<float, D>& y, const std::array<float, D>& x) const noexcept {
             float worst = 0;
             for (std::size_t d = 0; d < D; ++d) {
                 const float e = approx::abs(y[d] - x[d]) * per_limit[d];
@@ -103,16 +113,17 @@ struct VectorChannel {
     };
 };
 
-/// Orientations, tolerance as a rotation angle in radians; C2 cubics in a chart (reduce/chart.hpp).
+/// Orientations, tolerance as a rotation angle in radians: cubics in the space of quaternions,
+/// taken to unit length when they are evaluated. That is linear to fit, turns with either frame,
+/// and needs no charts. Jumps are sent in the frame of the curve itself: their radial part is
+/// nearly always zero.
 struct OrientationChannel {
-    static constexpr std::size_t dimension = 3;
+    static constexpr std::size_t dimension = 4;
     static constexpr std::size_t order = 4;
 
     using Value = Quat;
     using Tolerance = float;
-    struct Witness {
-        float w{};  // scalar part of conj(anchor) * sample
-    };
+    using Vector = std::array<float, 4>;
 
     struct Scale {
         std::int8_t exponent{};
@@ -120,68 +131,54 @@ struct OrientationChannel {
     };
 
     static Scale scale(Tolerance tol) noexcept {
-        return {static_cast<std::int8_t>(floor_log2(tol))};
+        return {
+            static_cast<std::int8_t>(floor_log2(tol / 2))};  // on S^3 a rotation is half its angle
     }
 
-    struct Curve {
-        Span<3, 4> span{};
-        Anchor anchor{};
-        Quat anchor_q{};
+    static Quat continued(const Quat& before, const Quat& q) noexcept {
+        return same_side(before, q);
+    }
 
-        void begin(const Scale&, const Quat& at) noexcept {
-            span = {};
-            set(Anchor::nearest(at));
-        }
+    static Vector coordinates(const Quat& q, const Scale& s) noexcept {
+        const float per_unit = power_of_two(-s.exponent);
+        return {q.w * per_unit, q.x * per_unit, q.y * per_unit, q.z * per_unit};
+    }
 
-        void set(const Anchor& a) noexcept {
-            anchor = a;
-            anchor_q = a.q();
-        }
+    static Quat value(const Vector& p, const Scale&) noexcept {
+        return normalised(Quat{p[0], p[1], p[2], p[3]});
+    }
 
-        void advance(std::uint32_t ticks, const std::array<std::int32_t, 3>& jump, const Scale& s,
-                     std::uint32_t tick_ns) noexcept {
-            span = carried(span, ticks, tick_ns);
-            const std::array<float, 3> y = Polynomial<3, 4>{span}.c[0];
-            const float unit = s.unit();
-            if ((y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) * unit * unit >
-                chart_radius * chart_radius) {
-                const Quat from = anchor_q;
-                set(Anchor::nearest(value(y, s)));
-                span = in_chart(span, unit, from, anchor_q);
-            }
-            for (std::size_t d = 0; d < 3; ++d) span.c[3][d] += jump[d];
-        }
-
-        Quat value(const std::array<float, 3>& units, const Scale& s) const noexcept {
-            const float unit = s.unit();
-            return anchor_q * chart_point({units[0] * unit, units[1] * unit, units[2] * unit});
-        }
-
-        std::array<float, 3> coordinates(const Quat& q, const Scale& s,
-                                         Witness& witness) const noexcept {
-            const auto y = to_chart(anchor_q, q);
-            witness.w = approx::abs((conj(anchor_q) * q).w);
-            const float per_unit = power_of_two(-s.exponent);
-            return {y[0] * per_unit, y[1] * per_unit, y[2] * per_unit};
-        }
-    };
+    /// A jump of the highest coefficient as it is sent at a knot where the curve stands at p, and
+    /// back.
+    static Vector to_wire(const Vector& jump, const Vector& p) noexcept {
+        const Quat q = conj(value(p, {})) * Quat{jump[0], jump[1], jump[2], jump[3]};
+        return {q.w, q.x, q.y, q.z};
+    }
+    static Vector from_wire(const Vector& sent, const Vector& p) noexcept {
+        const Quat q = value(p, {}) * Quat{sent[0], sent[1], sent[2], sent[3]};
+        return {q.w, q.x, q.y, q.z};
+    }
+    /// Which of a jump's components share an adaptive code: the radial one has its own.
+    static constexpr std::size_t model(std::size_t d) noexcept { return d == 0 ? 1 : 0; }
 
     struct Judge {
         static constexpr float square_bound = 1;
 
         float chord2{};      // largest squared chord on S^3, a rounding margin below the tolerance
-        float unit{1};       // radians
-        float per_chord2{};  // 1 / squared chord at the tolerance
-        std::array<float, 3> per_limit{};
+        float per_chord{};   // 1 / chord at the tolerance
+        Vector per_limit{};  // 1 / tolerance in curve units
+        Vector limit{};      // tolerance on S^3
+        float unit{1};
 
         Judge() = default;
         Judge(Tolerance tol, const Scale& s) noexcept {
             const float chord = 2 * approx::sin(tol / 4);  // |p - q| = 2 sin(angle / 4)
             const float kept = chord > 1e-6f ? chord - 5e-7f : chord / 2;
             chord2 = kept * kept;
+            per_chord = 1 / chord;
             unit = s.unit();
-            per_chord2 = 1 / (chord * chord);
-            per_limit.fill(unit / tol);
+            per_limit.fill(unit / (tol / 2));
+            limit.fill(tol / 2);
         }
 
         bool accepts(const Quat& decoded, const Quat& sample) const noexcept {
@@ -191,20 +188,55 @@ struct OrientationChannel {
             return w * w + x * x + y * y + z * z <= chord2;
         }
 
-        float error(const std::array<float, 3>& y, const std::array<float, 3>& x,
-                    const Witness& witness) const noexcept {
-            const float s = unit / 2;
-            float length2 = 0, apart2 = 0;
-            for (std::size_t d = 0; d < 3; ++d) {
-                const float v = s * y[d], e = s * (y[d] - x[d]);
-                length2 += v * v;
-                apart2 += e * e;
+        float error(const Vector& y, const Vector& x) const noexcept {
+            const float square = y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3];
+            if (!(square > 0)) return 1e9f;
+            const float s = 1 / approx::sqrt(square);
+            float apart = 0;
+            for (std::size_t d = 0; d < 4; ++d) {
+                const float e = s * y[d] - unit * x[d];
+                apart += e * e;
             }
-            if (!(length2 < 1)) return 1e9f;
-            const float w = approx::sqrt(1 - length2) - witness.w;
-            return approx::sqrt((apart2 + w * w) * per_chord2);
+            return approx::sqrt(apart) * per_chord;
+        }
+
+        Vector difference(const Quat& a, const Quat& b) const noexcept {
+            return {(b.w - a.w) / limit[0], (b.x - a.x) / limit[1], (b.y - a.y) / limit[2],
+                    (b.z - a.z) / limit[3]};
+        }
+        Quat moved(const Quat& b, const Vector& change) const noexcept {
+            return {b.w + change[0] * limit[0], b.x + change[1] * limit[1],
+                    b.y + change[2] * limit[2], b.z + change[3] * limit[3]};
         }
     };
+};
+
+/// A curve as both ends of the wire hold it: its last polynomial, moved on knot by knot.
+template <class Channel>
+struct Curve {
+    static constexpr std::size_t D = Channel::dimension;
+    static constexpr std::size_t Order = Channel::order;
+    using Jump = std::array<std::int32_t, D>;
+
+    Span<D, Order> span{};
+
+    /// On to the knot `ticks` later, where the highest coefficient jumps by jump << shift.
+    void advance(std::uint32_t ticks, const Jump& jump, std::uint32_t shift,
+                 std::uint32_t tick_ns) noexcept {
+        span = carried(span, ticks, tick_ns);
+        std::array<float, D> sent;
+        for (std::size_t d = 0; d < D; ++d)
+            sent[d] = static_cast<float>(jump[d]) * power_of_two(static_cast<int>(shift));
+        const auto step = Channel::from_wire(sent, Polynomial<D, Order>{span}.c[0]);
+        for (std::size_t d = 0; d < D; ++d)
+            span.c[Order - 1][d] = clamped_sum(span.c[Order - 1][d], to_integer(step[d]));
+    }
+
+    /// On to a knot at which everything but the value ends.
+    void stop(std::uint32_t ticks, std::uint32_t tick_ns) noexcept {
+        span = carried(span, ticks, tick_ns);
+        for (std::size_t m = 1; m < Order; ++m) span.c[m] = {};
+    }
 };
 
 }  // namespace fairlead

@@ -1,13 +1,14 @@
 #pragma once
-// Least squares of the window on a spline that continues the frozen polynomial, driven towards the
+// Least squares of the window on a spline that continues a given polynomial, driven towards the
 // largest errors.
 //
-// Beyond the frozen polynomial P the curve is P + sum of jumps at the planned knots. As unknowns
-// the jumps are hopelessly conditioned; the same functions are spanned by the B-splines whose first
-// Order - 1 coefficients are zero (they leave P as it is at the first knot), which give a banded,
-// well-conditioned system. Where the plain fit leaves the tolerance, Lawson's reweighting
-// [C. L. Lawson 1961: weights times error, again] moves it towards the smallest largest error.
-// Cost per pass: about 100 instructions per sample and 300 per knot (D = 3, Order = 4).
+// Beyond its head the curve is a polynomial P plus a jump of the highest coefficient at each later
+// knot. As unknowns the jumps are hopelessly conditioned; the same functions are spanned by the
+// B-splines whose first Order - 1 coefficients are zero (they leave P as it is at the first knot),
+// which give a banded, well-conditioned system. Where the plain fit leaves the tolerance, Lawson's
+// reweighting [C. L. Lawson 1961: weights times error, again] moves it towards the smallest largest
+// error. Cost per pass: about 100 instructions per sample beyond the head and 300 per free knot (D
+// = 3, Order = 4).
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -26,14 +27,20 @@ struct Plan {
     std::array<std::int32_t, MaxKnots> knot{};
     std::array<std::array<float, D>, MaxKnots> jump{};  // of the coefficient of u^(Order - 1)
     std::array<std::array<float, D>, Order> start{};    // free start: coefficients at the start
-    float worst{0};                                     // largest error, 1 = tolerance
-    float objective{0};                                 // sum of squared errors of the plain fit
-    std::size_t covers{0};  // leading samples of the window within tolerance
+    float worst{0};           // largest error beyond the head, 1 = tolerance
+    std::size_t worst_at{0};  // and the sample where it stands
+    float objective{0};       // sum of squared errors of the plain fit beyond the head
+    std::size_t landing{0};   // this many of the last knots bring the curve to rest
+    std::size_t covers{0};    // leading samples of the window within tolerance
 
     void insert(std::int32_t at) noexcept {
         std::size_t i = size;
-        for (; i > 0 && knot[i - 1] > at; --i) knot[i] = knot[i - 1];
+        for (; i > 0 && knot[i - 1] > at; --i) {
+            knot[i] = knot[i - 1];
+            jump[i] = jump[i - 1];
+        }
         knot[i] = at;
+        jump[i] = {};
         ++size;
     }
     void erase(std::size_t i) noexcept {
@@ -51,8 +58,37 @@ template <class Channel, std::size_t Count>
 struct Future {
     std::size_t size{0};
     std::array<float, Count> u{};
-    std::array<std::array<float, Channel::dimension>, Count> r{};
+    std::array<std::array<float, Channel::dimension>, Count> x{};
     std::array<float, Count> weight{};
+};
+
+/// A walk along the polynomials of a plan.
+template <class Channel, std::size_t MaxKnots>
+struct PlanWalk {
+    static constexpr std::size_t D = Channel::dimension;
+    static constexpr std::size_t Order = Channel::order;
+
+    Polynomial<D, Order> p;
+    float origin{0};      // tick that p is about
+    std::size_t next{0};  // the next knot
+
+    PlanWalk(const Polynomial<D, Order>& frozen, bool free,
+             const Plan<Channel, MaxKnots>& plan) noexcept
+        : p{frozen} {
+        if (free) p.c = plan.start;
+    }
+    void pass_knot(const Plan<Channel, MaxKnots>& plan) noexcept {
+        const auto knot = static_cast<float>(plan.knot[next]);
+        p = p.shifted(knot - origin);
+        origin = knot;
+        for (std::size_t d = 0; d < D; ++d) p.c[Order - 1][d] += plan.jump[next][d];
+        ++next;
+    }
+    /// Value at u, which must not fall. The knots between are passed: at most MaxKnots in all.
+    std::array<float, D> at(float u, const Plan<Channel, MaxKnots>& plan) noexcept {
+        while (next < plan.size && static_cast<float>(plan.knot[next]) < u) pass_knot(plan);
+        return p(u - origin);
+    }
 };
 
 template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizons>
@@ -62,53 +98,86 @@ class Fit {
     static constexpr std::size_t Order = Channel::order;
     using Samples = Window<Channel, N>;
     using KnotPlan = Plan<Channel, MaxKnots>;
+    using Walk = PlanWalk<Channel, MaxKnots>;
     using Ahead = Future<Channel, Horizons>;
 
-    /// Fits plan.knot to the first `count` samples; fills everything else of the plan. `frozen` is
-    /// the polynomial that the residuals r refer to; a free fit may leave it from u = 0 on.
+    struct Problem {
+        const Samples& samples;
+        std::size_t count;  // samples to serve, from the front
+        const Ahead& ahead;
+        const Polynomial<D, Order>& frozen;
+        const typename Channel::Judge& judge;
+        bool free;  // nothing is frozen yet: the fit may leave `frozen` from u = 0 on
+    };
+
+    /// Fits the jumps of the knots after the first `head`, which stay as they are; fills the rest
+    /// of the plan. The samples that the head serves are taken as served.
     /// @return whether every sample is within `limit` times the tolerance.
-    bool operator()(const Samples& samples, std::size_t count, const Ahead& ahead,
-                    const Polynomial<D, Order>& frozen, const typename Channel::Judge& judge,
-                    bool free, std::size_t passes, float limit, KnotPlan& plan) noexcept {
-        fixed_ = free ? 0 : Order - 1;
-        if (!free && plan.size == 0) {
-            check(samples, count, frozen, judge, limit, plan);
+    bool operator()(const Problem& problem, std::size_t head, std::size_t passes, float limit,
+                    KnotPlan& plan) noexcept {
+        plan.landing = 0;
+        set_base(problem, head, plan);
+        if (fixed_ != 0 && plan.size == head) {
+            check_beyond(problem, limit, plan);
             plan.objective = objective_;
-            return plan.covers == count;
+            return plan.covers == problem.count;
         }
-        lay_knots(samples, count, ahead, free, plan);
-        for (std::size_t i = 0; i < count; ++i) weight_[i] = 1;
+        lay_knots(problem, plan);
+        for (std::size_t i = first_; i < problem.count; ++i) weight_[i] = 1;
         float future = 1, best = 1e30f;
         for (std::size_t pass = 0;; ++pass) {
-            solve(samples, count, ahead, future);
-            to_jumps(plan, free, frozen);
-            check(samples, count, frozen, judge, limit, plan);
-            if (pass == 0) plan.objective = objective_ + misfit(ahead, frozen, free, plan, judge);
-            if (plan.covers == count) return true;
+            solve(problem, future);
+            to_jumps(plan);
+            check_beyond(problem, limit, plan);
+            if (pass == 0) plan.objective = objective_ + misfit(problem, plan);
+            if (plan.covers == problem.count) return true;
             best = plan.worst < best ? plan.worst : best;
             if (pass >= passes || plan.worst > 4) break;
             // the weighted mean square is a lower bound of the squared minimax error
-            if (pass >= 2 && weighted_square(count) > Channel::Judge::square_bound * limit * limit)
+            if (pass >= 2 &&
+                weighted_square(problem.count) > Channel::Judge::square_bound * limit * limit)
                 break;
-            if (pass >= 3 && best > 1 + 3.0f / static_cast<float>(pass)) break;
-            reweight(count, plan.worst);
+            if (pass >= 3 && best > 1 + 2.0f / static_cast<float>(pass)) break;
+            reweight(problem.count, plan.worst);
             future *= 0.3f;
         }
         plan.worst = best;
         return false;
     }
 
+    /// Tests a plan as it stands. @return whether it serves all samples.
+    bool check(const Problem& problem, float limit, KnotPlan& plan) noexcept {
+        set_base(problem, 0, plan);
+        if (problem.free) base_.c = plan.start;
+        check_beyond(problem, limit, plan);
+        return plan.covers == problem.count;
+    }
+
   private:
     static constexpr std::size_t Unknowns = MaxKnots + Order;
     using Vector = std::array<float, D>;
 
-    void lay_knots(const Samples& samples, std::size_t count, const Ahead& ahead, bool free,
-                   const KnotPlan& plan) noexcept {
-        const std::size_t first =
-            free ? 0 : 1;  // the first knot is the boundary of a continued curve
-        interior_ = plan.size - first;
-        const float begin = free ? 0.0f : static_cast<float>(plan.knot[0]);
-        const float last = ahead.size ? ahead.u[ahead.size - 1] : samples.u[count - 1];
+    /// The polynomial that is continued, and what the samples beyond leave of it.
+    void set_base(const Problem& problem, std::size_t head, const KnotPlan& plan) noexcept {
+        fixed_ = problem.free && head == 0 ? 0 : Order - 1;
+        head_ = head;
+        Walk walk{problem.frozen, problem.free && head > 0, plan};
+        for (std::size_t q = 0; q < head; ++q) walk.pass_knot(plan);
+        base_ = walk.p;
+        origin_ = walk.origin;
+        first_ = 0;
+        if (head > 0)
+            while (first_ < problem.count && problem.samples.u[first_] <= origin_) ++first_;
+    }
+
+    void lay_knots(const Problem& problem, const KnotPlan& plan) noexcept {
+        // the first knot of a continued curve is the boundary
+        const std::size_t from = head_ + (fixed_ ? 1 : 0);
+        interior_ = plan.size - from;
+        const float begin = fixed_ ? static_cast<float>(plan.knot[head_]) : 0.0f;
+        // ahead of the samples the last polynomial goes on: basis functions made for the samples'
+        // range keep the system well conditioned in float
+        const float last = problem.samples.u[problem.count - 1];
         const float end = (last > begin ? last : begin) + 2;
         const std::size_t total = interior_ + Order;
         for (std::size_t j = 0; j < Order; ++j) {
@@ -116,8 +185,12 @@ class Fit {
             t_[total + j] = end;
         }
         for (std::size_t j = 0; j < interior_; ++j)
-            t_[Order + j] = static_cast<float>(plan.knot[first + j]);
+            t_[Order + j] = static_cast<float>(plan.knot[from + j]);
         unknowns_ = total - fixed_;
+        for (std::size_t i = first_; i < problem.count; ++i) {
+            const Vector y = base_(problem.samples.u[i] - origin_);
+            for (std::size_t d = 0; d < D; ++d) residual_[i][d] = problem.samples.x[i][d] - y[d];
+        }
     }
 
     /// B-splines of the interval t_[h] <= u < t_[h + 1] (Cox, de Boor).
@@ -148,22 +221,26 @@ class Fit {
         }
     }
 
-    void solve(const Samples& samples, std::size_t count, const Ahead& ahead,
-               float future) noexcept {
+    void solve(const Problem& problem, float future) noexcept {
         const std::size_t m = unknowns_;
         for (std::size_t i = 0; i < m; ++i) a_[i].fill(0);
         for (std::size_t i = 0; i < m + fixed_; ++i) c_[i].fill(0);
         std::size_t h = Order - 1;
         const std::size_t last = interior_ + Order - 1;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (samples.u[i] <= t_[0] && fixed_) continue;
-            while (h < last && t_[h + 1] <= samples.u[i]) ++h;
-            add(h, samples.u[i], weight_[i], samples.r[i]);
+        for (std::size_t i = first_; i < problem.count; ++i) {
+            const float u = problem.samples.u[i];
+            if (u <= t_[0] && fixed_) continue;
+            while (h < last && t_[h + 1] <= u) ++h;
+            add(h, u, weight_[i], residual_[i]);
         }
-        for (std::size_t i = 0; i < ahead.size; ++i) {
-            while (h < last && t_[h + 1] <= ahead.u[i]) ++h;
-            const float w = ahead.weight[i] * future;
-            add(h, ahead.u[i], w > 1e-6f ? w : 1e-6f, ahead.r[i]);
+        for (std::size_t i = 0; i < problem.ahead.size; ++i) {
+            const float u = problem.ahead.u[i];
+            while (h < last && t_[h + 1] <= u) ++h;
+            const Vector y = base_(u - origin_);
+            Vector r;
+            for (std::size_t d = 0; d < D; ++d) r[d] = problem.ahead.x[i][d] - y[d];
+            const float w = problem.ahead.weight[i] * future;
+            add(h, u, w > 1e-6f ? w : 1e-6f, r);
         }
         factor(m);
         substitute(m);
@@ -199,11 +276,12 @@ class Fit {
     }
 
     /// Control points -> jumps of the highest coefficient (and the free start), by differencing.
-    void to_jumps(KnotPlan& plan, bool free, const Polynomial<D, Order>& frozen) noexcept {
+    void to_jumps(KnotPlan& plan) noexcept {
+        const bool free = fixed_ == 0;
         const std::size_t total = interior_ + Order;
         float factorial = 1;
         if (free)
-            for (std::size_t d = 0; d < D; ++d) plan.start[0][d] = frozen.c[0][d] + c_[0][d];
+            for (std::size_t d = 0; d < D; ++d) plan.start[0][d] = base_.c[0][d] + c_[0][d];
         for (std::size_t k = 1; k < Order; ++k) {
             for (std::size_t j = total; j-- > k;) {
                 const float width = t_[j + Order - k] - t_[j];
@@ -213,61 +291,47 @@ class Fit {
             factorial *= static_cast<float>(k);
             if (free)
                 for (std::size_t d = 0; d < D; ++d)
-                    plan.start[k][d] = frozen.c[k][d] + c_[k][d] / factorial;
+                    plan.start[k][d] = base_.c[k][d] + c_[k][d] / factorial;
         }
-        for (std::size_t q = 0; q < plan.size; ++q) {
-            const std::size_t j = Order - 1 + q + (free ? 1 : 0);
+        for (std::size_t q = head_; q < plan.size; ++q) {
+            const std::size_t j = Order - 1 + (q - head_) + (free ? 1 : 0);
             for (std::size_t d = 0; d < D; ++d)
                 plan.jump[q][d] = (c_[j][d] - (j > Order - 1 ? c_[j - 1][d] : 0)) / factorial;
         }
     }
 
-    /// Walks the very polynomials that would be frozen over the samples.
-    void check(const Samples& samples, std::size_t count, const Polynomial<D, Order>& frozen,
-               const typename Channel::Judge& judge, float limit, KnotPlan& plan) noexcept {
-        Polynomial<D, Order> p = frozen;
-        if (fixed_ == 0) p.c = plan.start;
-        std::size_t next = 0;
-        float origin = 0;
+    /// Walks the very polynomials that would be frozen over the samples beyond the head.
+    void check_beyond(const Problem& problem, float limit, KnotPlan& plan) noexcept {
+        Walk walk{base_, fixed_ == 0, plan};
+        walk.origin = origin_;
+        walk.next = head_;
         plan.worst = 0;
-        plan.covers = count;
+        plan.worst_at = first_;
+        plan.covers = problem.count;
         objective_ = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            while (next < plan.size && static_cast<float>(plan.knot[next]) < samples.u[i]) {
-                const float knot = static_cast<float>(plan.knot[next]);
-                p = p.shifted(knot - origin);
-                origin = knot;
-                for (std::size_t d = 0; d < D; ++d) p.c[Order - 1][d] += plan.jump[next][d];
-                ++next;
-            }
-            const float e = judge.error(p(samples.u[i] - origin), samples.x[i], samples.witness[i]);
+        for (std::size_t i = first_; i < problem.count; ++i) {
+            const float e =
+                problem.judge.error(walk.at(problem.samples.u[i], plan), problem.samples.x[i]);
             error_[i] = e;
             objective_ += e * e;
-            if (!(e <= limit) && plan.covers == count) plan.covers = i;
-            if (!(e <= plan.worst)) plan.worst = e;
+            if (!(e <= limit) && plan.covers == problem.count) plan.covers = i;
+            if (!(e <= plan.worst)) {
+                plan.worst = e;
+                plan.worst_at = i;
+            }
         }
     }
 
-    float misfit(const Ahead& ahead, const Polynomial<D, Order>& frozen, bool free,
-                 const KnotPlan& plan, const typename Channel::Judge& judge) const noexcept {
+    float misfit(const Problem& problem, const KnotPlan& plan) const noexcept {
+        Walk walk{base_, fixed_ == 0, plan};
+        walk.origin = origin_;
+        walk.next = head_;
         float sum = 0;
-        for (std::size_t i = 0; i < ahead.size; ++i) {
-            Vector e = ahead.r[i];
-            if (free) {
-                float power = 1;
-                for (std::size_t m = 0; m < Order; ++m, power *= ahead.u[i])
-                    for (std::size_t d = 0; d < D; ++d)
-                        e[d] -= (plan.start[m][d] - frozen.c[m][d]) * power;
-            }
-            for (std::size_t q = 0; q < plan.size; ++q) {
-                const float u = ahead.u[i] - static_cast<float>(plan.knot[q]);
-                float power = 1;
-                for (std::size_t m = 1; m < Order; ++m) power *= u;
-                for (std::size_t d = 0; d < D; ++d) e[d] -= plan.jump[q][d] * power;
-            }
+        for (std::size_t i = 0; i < problem.ahead.size; ++i) {
+            const Vector y = walk.at(problem.ahead.u[i], plan);
             for (std::size_t d = 0; d < D; ++d) {
-                const float s = e[d] * judge.per_limit[d];
-                sum += ahead.weight[i] * s * s;
+                const float e = (problem.ahead.x[i][d] - y[d]) * problem.judge.per_limit[d];
+                sum += problem.ahead.weight[i] * e * e;
             }
         }
         return sum;
@@ -275,27 +339,29 @@ class Fit {
 
     float weighted_square(std::size_t count) const noexcept {
         float sum = 0;
-        for (std::size_t i = 0; i < count; ++i) sum += weight_[i] * error_[i] * error_[i];
-        return sum / static_cast<float>(count);
+        for (std::size_t i = first_; i < count; ++i) sum += weight_[i] * error_[i] * error_[i];
+        return sum / static_cast<float>(count - first_);
     }
 
     void reweight(std::size_t count, float worst) noexcept {
         float sum = 0;
-        for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t i = first_; i < count; ++i) {
             weight_[i] *= 0.02f + error_[i] / worst;
             sum += weight_[i];
         }
-        const float scale = static_cast<float>(count) / sum;
-        for (std::size_t i = 0; i < count; ++i) weight_[i] *= scale;
+        const float scale = static_cast<float>(count - first_) / sum;
+        for (std::size_t i = first_; i < count; ++i) weight_[i] *= scale;
     }
 
     std::array<float, Unknowns + Order> t_{};
     std::array<std::array<float, Order>, Unknowns> a_{};  // upper band of the normal matrix
     std::array<Vector, Unknowns> c_{};                    // right sides, then control points
+    std::array<Vector, Samples::capacity> residual_{};
     std::array<float, Samples::capacity> weight_{};
     std::array<float, Samples::capacity> error_{};
-    std::size_t interior_{0}, unknowns_{0}, fixed_{0};
-    float objective_{0};
+    Polynomial<D, Order> base_{};
+    float origin_{0}, objective_{0};
+    std::size_t first_{0}, head_{0}, interior_{0}, unknowns_{0}, fixed_{0};
 };
 
 }  // namespace fairlead

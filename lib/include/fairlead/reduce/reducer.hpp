@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "fairlead/base/status.hpp"
+#include "fairlead/reduce/predict.hpp"
 #include "fairlead/reduce/search.hpp"
 
 namespace fairlead {
@@ -37,12 +38,15 @@ struct Batch {
     bool begins{false};     // a curve starts: `start` is its first span
     bool breaks{false};     // ... in the middle of a motion: a knot of full multiplicity
     std::uint8_t coarse{};  // log2 of the ticks that the start's rounding was made for
-    typename Channel::Curve start{};
+    Curve<Channel> start{};
     std::size_t size{0};
     std::array<Knot, MaxKnots> knot{};
     bool covers{false};
     std::uint32_t cover_ticks{0};  // the curve is final up to here, after the last knot
 };
+
+/// Marks a knot that brings the curve to an exact stop: its jump is whatever that takes.
+inline constexpr std::uint8_t stop_shift = 31;
 
 /// Places by which the start's coefficient of power m is rounded when its first interval is
 /// 2^coarse ticks.
@@ -56,8 +60,11 @@ class Reducer {
   public:
     static constexpr std::size_t D = Channel::dimension;
     static constexpr std::size_t Order = Channel::order;
-    static constexpr std::size_t horizons = 6;
+    static constexpr std::size_t horizons = Predictor<Channel>::horizons;
     static constexpr std::size_t batch_knots = 8;
+    static constexpr std::int32_t rest_places = 64;  // last places that a stop may cut off
+    static constexpr int jump_places =
+        4;  // a jump is rounded to 2^-places of a unit at the next knot
     using Value = typename Channel::Value;
     using Params = ReduceParams<Channel>;
     using Frozen = Batch<Channel, batch_knots>;
@@ -83,14 +90,18 @@ class Reducer {
         }
         FAIRLEAD_ASSERT(samples_.size < Samples::capacity);
         const bool starts = starts_curve || !any_;
-        any_ = true;
         last_ns_ = t_ns;
         ++counters_.samples;
-        samples_.push(t_ns, records_, starts, value);
+        const Value v = any_ ? Channel::continued(last_, value) : value;
+        last_ = v;
+        samples_.push(t_ns, records_, starts, v, Channel::coordinates(v, scale_));
+        any_ = true;
+        predictor_.push(v, starts, judge_);
         if (samples_.size == 1 && starts) prepare_curve();
         if (!ended()) {
-            samples_.express(samples_.size - 1, curve_, frozen_, scale_, params_.tick_ns);
+            samples_.express(samples_.size - 1, curve_.span.t0_ns, params_.tick_ns);
             search_.extend(view());
+            look_ahead();
         }
     }
 
@@ -139,7 +150,7 @@ class Reducer {
         return out_;
     }
 
-    const typename Channel::Curve& curve() const noexcept { return curve_; }
+    const Curve<Channel>& curve() const noexcept { return curve_; }
     const typename Channel::Scale& scale() const noexcept { return scale_; }
     const Params& params() const noexcept { return params_; }
     const Counters& counters() const noexcept { return counters_; }
@@ -160,32 +171,50 @@ class Reducer {
     bool ended() const noexcept { return count() < samples_.size; }
 
     typename Knots::View view() const noexcept {
-        return {samples_,
-                count(),
-                ahead_,
-                frozen_,
-                judge_,
-                !active_,
-                static_cast<std::int32_t>(cover_ticks_)};
+        return {{samples_, count(), ahead_, frozen_, judge_, !active_},
+                static_cast<std::int32_t>(cover_ticks_),
+                params_.delay_max};
+    }
+
+    /// Pseudo-samples at the predictor's horizons; their weight falls with its error there.
+    void look_ahead() noexcept {
+        const std::size_t n = count();
+        ahead_.size = 0;
+        if (n < 4) return;
+        const float last = samples_.u[n - 1];
+        const float step = (last - samples_.u[0]) / static_cast<float>(n - 1);
+        float before = 0;
+        for (std::size_t h = 0; h < horizons; ++h) {
+            const auto reach = static_cast<float>(Predictor<Channel>::horizon[h]);
+            const float u = last + reach * step;
+            const Value value = judge_.moved(samples_.value[n - 1], predictor_.change(h, judge_));
+            ahead_.x[h] = Channel::coordinates(value, scale_);
+            const float spread = predictor_.variance(h) / (0.5f * 0.5f);
+            ahead_.u[h] = u;
+            ahead_.weight[h] = 3 * (reach - before) / (1 + spread * spread);
+            before = reach;
+        }
+        ahead_.size = horizons;
     }
 
     void express_all() noexcept {
         const std::size_t n = samples_.size;
-        for (std::size_t i = 0; i < n; ++i)
-            samples_.express(i, curve_, frozen_, scale_, params_.tick_ns);
+        for (std::size_t i = 0; i < n; ++i) {
+            samples_.express(i, curve_.span.t0_ns, params_.tick_ns);
+        }
+        look_ahead();
     }
 
     /// Chooses coordinates for a curve that starts at the oldest sample; nothing is final yet.
     void prepare_curve() noexcept {
         const std::int64_t t = samples_.t_ns[0];
         const std::int64_t before = counters_.curves ? curve_.span.t0_ns : epoch_ns_;
-        curve_.begin(scale_, samples_.value[0]);
+        curve_ = {};
         curve_.span.t0_ns = before + (t - before) / params_.tick_ns * params_.tick_ns;
         active_ = false;
         cover_ticks_ = 0;
         frozen_ = {};
-        typename Channel::Witness unused;
-        frozen_.c[0] = curve_.coordinates(samples_.value[0], scale_, unused);
+        frozen_.c[0] = samples_.x[0];
         search_.reset();
         express_all();
     }
@@ -196,12 +225,12 @@ class Reducer {
             samples_.starts_curve[0] = true;
             ++counters_.breaks;
             prepare_curve();
-            for (std::size_t i = 0; i < 60 && search_.plan().covers < view().count; ++i)
-                if (!search_.step(view())) break;
+            search_.start_over(view());
         }
         ++counters_.curves;
         const auto& plan = search_.plan();
-        const float first = plan.size ? static_cast<float>(plan.knot[0]) : samples_.u[count() - 1];
+        const float first = plan.size ? static_cast<float>(plan.knot[0])
+                                      : samples_.u[count() > 0 ? count() - 1 : 0];
         out_.coarse = static_cast<std::uint8_t>(first > 1 ? floor_log2(first) + 1 : 0);
         Polynomial<D, Order> start = frozen_;
         if (plan.covers > 0) start.c = plan.start;
@@ -217,7 +246,7 @@ class Reducer {
         out_.start = curve_;
         frozen_ = Polynomial<D, Order>{curve_.span};
         express_all();
-        search_.refit(view(), 4);
+        search_.refit(view(), Knots::hard_passes);
     }
 
     void round_start(const Polynomial<D, Order>& start) noexcept {
@@ -225,14 +254,16 @@ class Reducer {
             for (std::size_t d = 0; d < D; ++d) {
                 const int shift = start_shift(m, out_.coarse);
                 const float places = power_of_two(fraction_bits(m) - shift);
-                curve_.span.c[m][d] = to_integer(start.c[m][d] * places) * (1 << shift);
+                const std::int64_t step = std::int64_t{1} << shift;
+                const std::int32_t kept = clamped_sum(to_integer(start.c[m][d] * places) * step, 0);
+                curve_.span.c[m][d] = static_cast<std::int32_t>(kept / step * step);
             }
     }
 
     bool accepted(std::size_t i) const noexcept {
         const Polynomial<D, Order> p{curve_.span};
         const float u = ticks_between(curve_.span.t0_ns, samples_.t_ns[i], params_.tick_ns);
-        return judge_.accepts(curve_.value(p(u), scale_), samples_.value[i]);
+        return judge_.accepts(Channel::value(p(u), scale_), samples_.value[i]);
     }
 
     /// Takes the leading samples that the frozen polynomial covers. @return whether there was one.
@@ -245,7 +276,7 @@ class Reducer {
             ++k;
             // with knots ahead only what is needed is made final: a later start of the next knot is
             // open
-            if (plan.size > 0 && records_ - samples_.record[k - 1] < goal) break;
+            if (!resting() && records_ - samples_.record[k - 1] < goal) break;
         }
         if (k == 0) return false;
         const float last = samples_.u[k - 1];
@@ -259,34 +290,73 @@ class Reducer {
         return true;
     }
 
+    /// Are all derivatives below the highest gone at a knot, to rounding? Then a stop there is C2.
+    bool comes_to_rest(std::int32_t ticks) const noexcept {
+        const auto at = carried(curve_.span, static_cast<std::uint32_t>(ticks), params_.tick_ns);
+        for (std::size_t m = 1; m + 1 < Order; ++m)
+            for (const std::int32_t c : at.c[m])
+                if (c > rest_places || c < -rest_places) return false;
+        return true;
+    }
+
+    /// Is the frozen polynomial a constant?
+    bool resting() const noexcept {
+        for (std::size_t m = 1; m < Order; ++m)
+            for (std::size_t d = 0; d < D; ++d)
+                if (curve_.span.c[m][d] != 0) return false;
+        return true;
+    }
+
     /// The first planned knot becomes final, its jump rounded to what its interval can bear.
     void freeze() noexcept {
-        const typename Channel::Curve before = curve_;
+        const Curve<Channel> before = curve_;
         const auto& plan = search_.plan();
         const std::int32_t ticks = plan.knot[0];
+        const std::size_t landing = plan.landing;
+        const bool lands = landing > 0 && plan.size <= landing;
         const std::array<float, D> jump = plan.jump[0];
-        const float next =
-            plan.size > 1 ? static_cast<float>(plan.knot[1]) : samples_.u[count() - 1];
+        const float next = plan.size > 1 ? static_cast<float>(plan.knot[1])
+                                         : samples_.u[count() > 0 ? count() - 1 : 0];
         const float length = next - static_cast<float>(ticks);
-        int shift = fraction_bits(Order - 1) - 3 -
-                    static_cast<int>(Order - 1) * (length > 1 ? floor_log2(length) : 0);
+        float power = 1;
+        for (std::size_t m = 1; m < Order; ++m) power *= length > 1 ? length : 1;
+        int shift = fraction_bits(Order - 1) - jump_places - floor_log2(power);
         shift = shift > 0 ? (shift < 28 ? shift : 28) : 0;
+        const std::size_t served = plan.covers;  // as far as that, nothing may be lost by rounding
         search_.froze(ticks);
+        if (lands) shift = 0;
+        if (lands && plan.size == 0 && comes_to_rest(ticks)) {
+            curve_.stop(static_cast<std::uint32_t>(ticks), params_.tick_ns);
+            frozen_ = Polynomial<D, Order>{curve_.span};
+            cover_ticks_ = 0;
+            express_all();
+            search_.holds(view());
+            out_.knot[out_.size].ticks = static_cast<std::uint32_t>(ticks);
+            out_.knot[out_.size].shift = stop_shift;
+            out_.knot[out_.size].jump = {};
+            out_.covers = false;
+            ++out_.size;
+            ++counters_.knots;
+            return;
+        }
         auto& knot = out_.knot[out_.size];
+        const auto at = frozen_(static_cast<float>(ticks));  // rounds to what the decoder will use
         for (std::size_t attempt = 0; attempt < 8; ++attempt) {
             curve_ = before;
             const float places = power_of_two(fraction_bits(Order - 1) - shift);
-            std::array<std::int32_t, D> applied;
-            for (std::size_t d = 0; d < D; ++d) {
-                knot.jump[d] = to_integer(jump[d] * places);
-                applied[d] = knot.jump[d] * (1 << shift);
-            }
-            curve_.advance(static_cast<std::uint32_t>(ticks), applied, scale_, params_.tick_ns);
+            const auto sent = Channel::to_wire(jump, at);
+            for (std::size_t d = 0; d < D; ++d) knot.jump[d] = to_integer(sent[d] * places);
+            curve_.advance(static_cast<std::uint32_t>(ticks), knot.jump,
+                           static_cast<std::uint32_t>(shift), params_.tick_ns);
             frozen_ = Polynomial<D, Order>{curve_.span};
             cover_ticks_ = 0;
             express_all();
             knot.shift = static_cast<std::uint8_t>(shift);
-            if (search_.holds(view()) || search_.refit(view(), 4) || shift == 0) break;
+            auto part = view();
+            part.count = served < part.count ? served : part.count;
+            if (search_.holds(part) || lands || search_.refit(part, Knots::hard_passes) ||
+                shift == 0)
+                break;
             shift = shift > 4 ? shift - 4 : 0;
         }
         knot.ticks = static_cast<std::uint32_t>(ticks);
@@ -300,8 +370,9 @@ class Reducer {
     typename Channel::Judge judge_{};
     Samples samples_{};
     Knots search_{};
+    Predictor<Channel> predictor_{};
     Ahead ahead_{};
-    typename Channel::Curve curve_{};
+    Curve<Channel> curve_{};
     Polynomial<D, Order> frozen_{};
     Frozen out_{};
     Counters counters_{};
@@ -309,6 +380,7 @@ class Reducer {
     std::uint32_t cover_ticks_{0};
     std::int64_t epoch_ns_{0};
     std::int64_t last_ns_{0};
+    Value last_{};
     bool any_{false};
     bool active_{false};
 };

@@ -34,6 +34,13 @@ constexpr std::int32_t to_integer(float y) noexcept {
     return static_cast<std::int32_t>(y < 0 ? y - 0.5f : y + 0.5f);
 }
 
+/// a + b, clamped to +-2^30 like every coefficient.
+constexpr std::int32_t clamped_sum(std::int64_t a, std::int64_t b) noexcept {
+    constexpr std::int64_t limit = 1 << 30;
+    const std::int64_t sum = a + b;
+    return static_cast<std::int32_t>(sum > limit ? limit : (sum < -limit ? -limit : sum));
+}
+
 /// The polynomial of one knot interval, D components, Order coefficients each.
 /// value(t) = sum_m c[m] 2^-fraction_bits(m) u^m units, u = (t - t0_ns) / tick_ns.
 template <std::size_t D, std::size_t Order>
@@ -110,10 +117,7 @@ inline Span<D, Order> carried(const Span<D, Order>& from, std::uint32_t ticks,
     for (std::size_t m = 0; m < Order; ++m)
         for (std::size_t d = 0; d < D; ++d) {
             const std::int32_t rounded = to_integer(p.c[m][d] * power_of_two(fraction_bits(m)));
-            const std::int64_t sum = std::int64_t{rounded} + (m == 0 ? from.c[0][d] : 0);
-            constexpr std::int64_t limit = 1 << 30;
-            to.c[m][d] =
-                static_cast<std::int32_t>(sum > limit ? limit : (sum < -limit ? -limit : sum));
+            to.c[m][d] = clamped_sum(rounded, m == 0 ? from.c[0][d] : 0);
         }
     return to;
 }

@@ -24,16 +24,16 @@ struct Window {
     std::array<std::uint32_t, capacity> record{};  // index of the record that brought it
     std::array<bool, capacity> starts_curve{};
     std::array<Value, capacity> value{};
-    std::array<typename Channel::Witness, capacity> witness{};
     std::array<float, capacity> u{};   // ticks since the last frozen knot
     std::array<Vector, capacity> x{};  // coordinates, curve units
-    std::array<Vector, capacity> r{};  // x minus the last frozen polynomial
 
-    void push(std::int64_t t, std::uint32_t index, bool starts, const Value& v) noexcept {
+    void push(std::int64_t t, std::uint32_t index, bool starts, const Value& v,
+              const Vector& coordinates) noexcept {
         t_ns[size] = t;
         record[size] = index;
         starts_curve[size] = starts;
         value[size] = v;
+        x[size] = coordinates;
         ++size;
     }
 
@@ -44,22 +44,15 @@ struct Window {
             record[to] = record[i];
             starts_curve[to] = starts_curve[i];
             value[to] = value[i];
-            witness[to] = witness[i];
             u[to] = u[i];
             x[to] = x[i];
-            r[to] = r[i];
         }
         size -= n;
     }
 
-    /// Expresses sample i in the coordinates of a curve and its last frozen polynomial.
-    void express(std::size_t i, const typename Channel::Curve& curve,
-                 const Polynomial<D, Order>& frozen, const typename Channel::Scale& scale,
-                 std::uint32_t tick_ns) noexcept {
-        u[i] = ticks_between(curve.span.t0_ns, t_ns[i], tick_ns);
-        x[i] = curve.coordinates(value[i], scale, witness[i]);
-        const Vector y = frozen(u[i]);
-        for (std::size_t d = 0; d < D; ++d) r[i][d] = x[i][d] - y[d];
+    /// Sets sample i's time relative to a knot.
+    void express(std::size_t i, std::int64_t t0_ns, std::uint32_t tick_ns) noexcept {
+        u[i] = ticks_between(t0_ns, t_ns[i], tick_ns);
     }
 };
 

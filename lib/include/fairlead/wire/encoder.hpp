@@ -66,10 +66,14 @@ class Encoder {
         return {out_.data(), size_};
     }
 
-    /// Makes everything final; call until it returns nothing.
+    /// Makes everything final; call until it returns nothing. Costs flush_slices slices of a push.
     Bytes flush() noexcept {
         size_ = 0;
-        if (!position_.empty() || !orientation_.empty()) frame(0);
+        if (!position_.empty() || !orientation_.empty()) {
+            position_.work(flush_slices * params_.slice);
+            orientation_.work(flush_slices * params_.slice);
+            frame(0);
+        }
         position_gap_ = orientation_gap_ = true;  // what comes later starts new curves
         return {out_.data(), size_};
     }
@@ -78,6 +82,7 @@ class Encoder {
     const OrientationReducer& orientation() const noexcept { return orientation_; }
     std::uint32_t frames() const noexcept { return sequence_; }
 
+    static constexpr std::size_t flush_slices = 16;
     static constexpr std::size_t max_frames = 3;  // a push completes at most
 
   private:

@@ -26,7 +26,8 @@ inline constexpr std::uint16_t restart_seed = 0xFA1E;
 
 /// Adaptive codes of one channel; reset to a few bits of themselves at restart points.
 struct Models {
-    RiceModel ticks{}, shift{}, jump{}, cover{};
+    RiceModel ticks{}, shift{}, cover{};
+    std::array<RiceModel, 2> jump{};
     std::int32_t last_shift{12};
 };
 
@@ -87,28 +88,12 @@ void scale(Io& io, OrientationChannel::Scale& s, OrientationChannel) noexcept {
         s.exponent = static_cast<std::int8_t>(static_cast<std::int32_t>(biased) - 64);
 }
 
-template <class Io, class Curve>
-void anchor(Io&, Curve&) noexcept {}
-template <class Io>
-void anchor(Io& io, OrientationChannel::Curve& curve) noexcept {
-    Anchor a = curve.anchor;
-    std::uint32_t v = a.largest;
-    io.bits(v, 2);
-    a.largest = static_cast<std::uint8_t>(v);
-    for (auto& s : a.small) {
-        v = static_cast<std::uint16_t>(s);
-        io.bits(v, 16);
-        s = static_cast<std::int16_t>(static_cast<std::uint16_t>(v));
-    }
-    if constexpr (!Io::writes) curve.set(a);
-}
-
 /// Both ends' picture of one channel: what has been sent of its curve.
 template <class Channel>
 struct Link {
     typename Channel::Scale scale{};
     bool active{false};  // a curve has begun
-    typename Channel::Curve curve{};
+    Curve<Channel> curve{};
     std::uint32_t cover_ticks{0};  // final up to here, after the curve's last knot
     Models models{};
 };
@@ -119,7 +104,8 @@ void state(Io& io, Link<Channel>& link, std::int64_t base_ns, std::uint32_t tick
     scale(io, link.scale, Channel{});
     link.active = flag(io, link.active);
     Models& models = link.models;
-    for (RiceModel* m : {&models.ticks, &models.shift, &models.jump, &models.cover}) {
+    for (RiceModel* m :
+         {&models.ticks, &models.shift, &models.cover, &models.jump[0], &models.jump[1]}) {
         std::uint32_t v = m->summary();
         io.bits(v, 5);
         m->restore(v);
@@ -136,13 +122,12 @@ void state(Io& io, Link<Channel>& link, std::int64_t base_ns, std::uint32_t tick
     unsigned_number(io, cover, 6);
     link.cover_ticks = static_cast<std::uint32_t>(cover);
     for (auto& c : link.curve.span.c) row(io, c);
-    anchor(io, link.curve);
 }
 
 /// The start of a curve: its polynomial, rounded as `coarse` says.
 template <class Io, class Channel>
-void begin(Io& io, const Link<Channel>& link, std::uint8_t& coarse_out,
-           typename Channel::Curve& curve, std::int64_t base_ns, std::uint32_t tick_ns) noexcept {
+void begin(Io& io, const Link<Channel>& link, std::uint8_t& coarse_out, Curve<Channel>& curve,
+           std::int64_t base_ns, std::uint32_t tick_ns) noexcept {
     std::uint32_t coarse = coarse_out;
     io.bits(coarse, 5);
     coarse_out = static_cast<std::uint8_t>(coarse);
@@ -161,22 +146,26 @@ void begin(Io& io, const Link<Channel>& link, std::uint8_t& coarse_out,
                 curve.span.c[m][d] =
                     static_cast<std::int32_t>(static_cast<std::uint32_t>(values[d]) << shift);
     }
-    anchor(io, curve);
 }
 
-template <class Io, class Knot>
+template <class Channel, class Io, class Knot>
 void knot(Io& io, Knot& k, Models& models) noexcept {
     std::uint32_t ticks = k.ticks - 1;
     io.rice(ticks, models.ticks);
     k.ticks = ticks + 1;
-    std::uint32_t change = zigzag(static_cast<std::int32_t>(k.shift) - models.last_shift);
+    const std::int32_t before = models.last_shift;
+    std::uint32_t change = zigzag(static_cast<std::int32_t>(k.shift) - before);
     io.rice(change, models.shift);
     models.last_shift = (models.last_shift + unzigzag(change)) & 31;
     k.shift = static_cast<std::uint8_t>(models.last_shift);
-    for (auto& j : k.jump) {
-        std::uint32_t z = zigzag(j);
-        io.rice(z, models.jump);
-        j = unzigzag(z);
+    if (k.shift == stop_shift) {
+        models.last_shift = before;
+        return;
+    }
+    for (std::size_t d = 0; d < Channel::dimension; ++d) {
+        std::uint32_t z = zigzag(k.jump[d]);
+        io.rice(z, models.jump[Channel::model(d)]);
+        k.jump[d] = unzigzag(z);
     }
 }
 
@@ -195,7 +184,7 @@ bool content(Io& io, Link<Channel>& link, Batch<Channel, MaxKnots>& batch, std::
     std::size_t n = 0;
     while (flag(io, n < batch.size)) {
         if (n == MaxKnots || !io.ok()) return false;
-        knot(io, batch.knot[n], link.models);
+        knot<Channel>(io, batch.knot[n], link.models);
         ++n;
     }
     batch.size = n;
@@ -221,10 +210,9 @@ template <class Channel, std::size_t MaxKnots>
 void follow_knot(Link<Channel>& link, const Batch<Channel, MaxKnots>& batch, std::size_t i,
                  std::uint32_t tick_ns) noexcept {
     const auto& k = batch.knot[i];
-    auto jump = k.jump;
-    for (auto& j : jump) j = static_cast<std::int32_t>(static_cast<std::uint32_t>(j) << k.shift);
-    link.curve.advance(k.ticks, jump, link.scale, tick_ns);
     link.cover_ticks = 0;
+    if (k.shift == stop_shift) return link.curve.stop(k.ticks, tick_ns);
+    link.curve.advance(k.ticks, k.jump, k.shift, tick_ns);
 }
 
 /// Stream-wide facts at the head of a restart frame.
