@@ -34,7 +34,7 @@ std::vector<Tried> parse(const std::string& text) {
 }  // namespace
 
 std::vector<Tried> byte_rivals(const Cell& cell, std::size_t delay, Cache& cache) {
-    const std::string bound = delay == no_delay_bound ? "none" : std::to_string(delay);
+    const std::string bound = delay == no_delay_bound ? "no bound" : std::to_string(delay);
     const std::string method = std::string{version} + ' ' + bound;
     return parse(cache.get(cache_key(method, hash(cell.track), cell.tolerance),
                            [&] { return to_text(sweep(cell.track, cell.tolerance, delay)); }));

@@ -68,8 +68,7 @@ SislFigures sisl_figures(const Cell& cell, Cache& cache) {
 std::vector<double> component_tolerances(const Cell& cell) {
     if (cell.track.channel == Channel::position) return {cell.tolerance};
     std::vector<double> out;
-    for (const double share : {0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6})
-        out.push_back(share * cell.tolerance);
+    for (const double share : {0.25, 0.35, 0.45, 0.55}) out.push_back(share * cell.tolerance);
     return out;
 }
 
@@ -97,7 +96,7 @@ class Best {
 std::string run_lyche_morken(const Cell& cell) {
     Best best{cell};
     for (const double tolerance : component_tolerances(cell))
-        for (const double share : {0.0, 0.05, 0.1, 0.2})
+        for (const double share : {0.0, 0.1})
             best.offer(lyche_morken(cell.track, 4, tolerance, share));
     return best.text();
 }

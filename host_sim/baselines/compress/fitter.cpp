@@ -6,9 +6,10 @@
 namespace fairlead::sim {
 namespace {
 
-constexpr std::size_t patience = 6;  // records to look on after a candidate fails
-constexpr int passes_max = 5;        // of weights that lean towards the largest error
-constexpr double margin = 1 - 1e-9;  // of the tolerance, for rounding
+constexpr std::size_t patience = 6;      // records to look on after a candidate fails
+constexpr int passes_max = 5;            // of weights that lean towards the largest error
+constexpr std::size_t length_max = 500;  // records of one piece: matters without a delay bound only
+constexpr double margin = 1 - 1e-9;      // of the tolerance, for rounding
 
 double size2(const Step& a, const Step& b) {
     double sum = 0;
@@ -67,12 +68,13 @@ std::vector<Segment> SegmentFitter::plan(std::size_t a, const State& from, std::
     std::vector<Segment> out;
     State at = from;
     while (a < last) {
+        const std::size_t reach = std::min(last, a + length_max);
         Segment next;
-        if (params_.pieces == Pieces::door) next = longest_door(a, at, last);
-        if (params_.pieces == Pieces::dead_band) next = longest_hold(a, at, last);
+        if (params_.pieces == Pieces::door) next = longest_door(a, at, reach);
+        if (params_.pieces == Pieces::dead_band) next = longest_hold(a, at, reach);
         if (params_.pieces == Pieces::swing)
-            next = track_.channel == Channel::position ? longest_swing(a, at, last, speed)
-                                                       : longest_arc(a, at, last, speed);
+            next = track_.channel == Channel::position ? longest_swing(a, at, reach, speed)
+                                                       : longest_arc(a, at, reach, speed);
         at = chart_.moved(at, scaled(next.n, grid_));
         speed = times(scaled(next.n, 1), 1 / static_cast<double>(next.end - a));
         a = next.end;

@@ -4,11 +4,6 @@
 
 namespace fairlead::sim {
 
-struct Segment {
-    std::size_t end{};  // its last record
-    Steps n{};          // grid steps from the value it starts with to its end, or to its constant
-};
-
 /// Value of a piece that starts with `from` at record a, at record i in (a, segment.end].
 State value_of(const Chart& chart, Pieces pieces, const State& from, std::size_t a,
                const Segment& segment, std::size_t i, double grid);

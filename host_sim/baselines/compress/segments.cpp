@@ -28,7 +28,6 @@ class Prediction {
     void see(const Steps& n, std::size_t length) {
         speed_ = scaled(n, 1 / static_cast<double>(length));
     }
-    const Step& speed() const { return speed_; }
     std::uint8_t context(std::size_t axis, std::size_t length) const {
         if (!params_.by_length) return static_cast<std::uint8_t>(value_context + axis);
         std::uint8_t c = first_length_class;
@@ -52,39 +51,65 @@ void put(Frame& frame, Prediction& prediction, const Segment& segment, std::size
 
 }  // namespace
 
-std::vector<Frame> encode(const Track& track, double tolerance, const SegmentParams& params,
-                          std::size_t delay) {
+std::vector<PlannedFrame> plan(const Track& track, double tolerance, const SegmentParams& params,
+                               std::size_t delay) {
     const Chart chart{track.channel};
     const SegmentFitter fitter{track, tolerance, params};
     const Absolute absolute = absolute_of(track, tolerance);
-    Prediction prediction{params};
-    std::vector<Frame> frames;
     const std::size_t group = group_size(track, delay);
+    std::vector<PlannedFrame> frames;
     for (std::size_t begin = 0; begin < track.size(); begin += group) {
         const std::size_t last = std::min(begin + group, track.size()) - 1;
         std::size_t a = begin, due = begin;  // a: last vertex; due: first record not yet sent
-        Frame frame;
-        frame.restart = true;
-        absolute.put(frame.symbols, begin, chart.sample(track, begin));
-        const Symbol* next = frame.symbols.data();
+        std::vector<Symbol> restart;
+        absolute.put(restart, begin, chart.sample(track, begin));
+        const Symbol* next = restart.data();
         State at = absolute.get(next);
-        prediction.restart();
+        Step speed{};
         do {
             const std::size_t now = delay < last - due ? due + delay : last;
-            auto segments = fitter.plan(a, at, now, prediction.speed());
-            if (now != last && segments.size() > 1) segments.pop_back();  // it may still grow
-            for (const Segment& segment : segments) {
-                put(frame, prediction, segment, segment.end - a);
+            PlannedFrame frame{now, a == begin && due == begin, a, fitter.plan(a, at, now, speed)};
+            if (now != last && frame.segments.size() > 1) frame.segments.pop_back();  // may grow
+            for (const Segment& segment : frame.segments) {
+                speed = scaled(segment.n, 1 / static_cast<double>(segment.end - a));
                 at = chart.moved(at, scaled(segment.n, fitter.grid()));
                 a = segment.end;
             }
-            frame.sent_at = now;
-            frame.end = due = a + 1;
+            due = a + 1;
             frames.push_back(frame);
-            frame = {};
         } while (a < last);
     }
     return frames;
+}
+
+std::vector<Frame> code(const std::vector<PlannedFrame>& planned, const Track& track,
+                        double tolerance, const SegmentParams& params) {
+    const Chart chart{track.channel};
+    const Absolute absolute = absolute_of(track, tolerance);
+    Prediction prediction{params};
+    std::vector<Frame> frames;
+    for (const PlannedFrame& from : planned) {
+        Frame frame;
+        frame.sent_at = from.sent_at;
+        frame.restart = from.restart;
+        if (from.restart) {
+            absolute.put(frame.symbols, from.first, chart.sample(track, from.first));
+            prediction.restart();
+        }
+        std::size_t a = from.first;
+        for (const Segment& segment : from.segments) {
+            put(frame, prediction, segment, segment.end - a);
+            a = segment.end;
+        }
+        frame.end = a + 1;
+        frames.push_back(frame);
+    }
+    return frames;
+}
+
+std::vector<Frame> encode(const Track& track, double tolerance, const SegmentParams& params,
+                          std::size_t delay) {
+    return code(plan(track, tolerance, params, delay), track, tolerance, params);
 }
 
 std::vector<State> decode(const std::vector<Frame>& frames, const Track& track, double tolerance,

@@ -29,6 +29,27 @@ struct SegmentParams {
     bool by_length{};      // entropy states of values by the piece's length
 };
 
+struct Segment {
+    std::size_t end{};  // its last record
+    Steps n{};          // grid steps from the value it starts with to its end, or to its constant
+};
+
+/// What leaves together, before it is coded.
+struct PlannedFrame {
+    std::size_t sent_at{};
+    bool restart{};
+    std::size_t
+        first{};  // record of the restart, or of the vertex that the first piece starts from
+    std::vector<Segment> segments;
+};
+
+/// Where the pieces end. Depends on slope_share only where a swing filter chooses near the
+/// prediction, and never on by_length.
+std::vector<PlannedFrame> plan(const Track& track, double tolerance, const SegmentParams& params,
+                               std::size_t delay);
+std::vector<Frame> code(const std::vector<PlannedFrame>& planned, const Track& track,
+                        double tolerance, const SegmentParams& params);
+
 std::vector<Frame> encode(const Track& track, double tolerance, const SegmentParams& params,
                           std::size_t delay);
 std::vector<State> decode(const std::vector<Frame>& frames, const Track& track, double tolerance,

@@ -23,14 +23,26 @@ class Sweep {
     Sweep(const Track& track, double tolerance, std::size_t delay)
         : track_{track}, tolerance_{tolerance}, delay_{delay} {}
 
-    template <class Params>
-    void offer(const char* rival, const std::string& setting, const Params& params) {
+    void offer(const char* rival, const std::string& setting, const PredictiveParams& params) {
         const auto frames = encode(track_, tolerance_, params, delay_);
-        const auto decoded = decode(frames, track_, tolerance_, params);
-        const bool within = largest_error(track_, decoded) <= tolerance_;
-        for (const unsigned memory : memories)
-            out.push_back(
-                {rival, setting + text(" memory %u", memory), coded_size(frames, memory), within});
+        offer(rival, setting, frames, decode(frames, track_, tolerance_, params));
+    }
+    /// All slope predictions and entropy states over one plan where they do not change it.
+    void offer(const char* rival, SegmentParams params, const std::vector<double>& slopes) {
+        const bool near = params.choice == Choice::near_prediction;
+        const bool planned_by_slope = params.pieces == Pieces::swing && near;
+        std::vector<PlannedFrame> planned;
+        for (const double slope : slopes) {
+            params.slope_share = slope;
+            if (planned.empty() || planned_by_slope)
+                planned = plan(track_, tolerance_, params, delay_);
+            for (const bool by_length : {false, true}) {
+                if (by_length && params.pieces == Pieces::dead_band) continue;
+                params.by_length = by_length;
+                const auto frames = code(planned, track_, tolerance_, params);
+                offer(rival, name_of(params), frames, decode(frames, track_, tolerance_, params));
+            }
+        }
     }
     void offer_raw(const std::string& setting, const DeflateParams& params) {
         out.push_back({"float32 + zlib", setting, deflated_size(track_, params, delay_), true});
@@ -39,6 +51,23 @@ class Sweep {
     std::vector<Tried> out;
 
   private:
+    void offer(const char* rival, const std::string& setting, const std::vector<Frame>& frames,
+               const std::vector<State>& decoded) {
+        const bool within = largest_error(track_, decoded) <= tolerance_;
+        for (const unsigned memory : memories)
+            out.push_back(
+                {rival, setting + text(" memory %u", memory), coded_size(frames, memory), within});
+    }
+    static std::string name_of(const SegmentParams& params) {
+        const bool free = params.pieces == Pieces::swing || params.pieces == Pieces::dead_band;
+        const bool near = params.choice == Choice::near_prediction;
+        return text("grid %.2f slope %.1f%s%s", params.grid_share, params.slope_share,
+                    !free  ? ""
+                    : near ? " near"
+                           : " middle",
+                    params.by_length ? " by length" : "");
+    }
+
     const Track& track_;
     double tolerance_;
     std::size_t delay_;
@@ -77,35 +106,19 @@ void add_dpcm(Sweep& sweep) {
 }
 
 void add_pieces(Sweep& sweep) {
-    const auto offer = [&](const char* rival, Pieces pieces, double grid, Choice choice,
-                           double slope, bool by_length) {
-        const bool free = pieces == Pieces::swing || pieces == Pieces::dead_band;
-        const char* const chosen = !free                               ? ""
-                                   : choice == Choice::near_prediction ? " near"
-                                                                       : " middle";
-        sweep.offer(
-            rival,
-            text("grid %.2f slope %.1f%s%s", grid, slope, chosen, by_length ? " by length" : ""),
-            SegmentParams{pieces, grid, choice, slope, by_length});
-    };
     const Choice near = Choice::near_prediction, middle = Choice::least_squares;
+    const std::vector<double> slopes{0.0, 0.5, 1.0};
     for (const double grid : {0.25, 0.5, 0.75, 1.0}) {
-        for (const double slope : {0.0, 0.5, 1.0}) {
-            for (const bool by_length : {false, true}) {
-                offer("swing filter + Rice", Pieces::swing, grid, near, slope, by_length);
-                offer("swing filter + Rice", Pieces::swing, grid, middle, slope, by_length);
-                offer("swinging door + Rice", Pieces::door, grid, near, slope, by_length);
-            }
-        }
+        for (const Choice choice : {near, middle})
+            sweep.offer("swing filter + Rice", {Pieces::swing, grid, choice, 0, false}, slopes);
+        sweep.offer("swinging door + Rice", {Pieces::door, grid, near, 0, false}, slopes);
     }
     for (const double grid : {0.15, 0.25, 0.4, 0.6})
-        for (const double slope : {0.0, 0.5, 1.0})
-            for (const bool by_length : {false, true})
-                offer("Ramer-Douglas-Peucker + Rice", Pieces::peucker, grid, near, slope,
-                      by_length);
+        sweep.offer("Ramer-Douglas-Peucker + Rice", {Pieces::peucker, grid, near, 0, false},
+                    slopes);
     for (const double grid : {0.25, 0.4, 0.6, 0.8, 0.9, 1.0})
         for (const Choice choice : {near, middle})
-            offer("dead band + Rice", Pieces::dead_band, grid, choice, 0, false);
+            sweep.offer("dead band + Rice", {Pieces::dead_band, grid, choice, 0, false}, {0.0});
 }
 
 void add_raw(Sweep& sweep) {

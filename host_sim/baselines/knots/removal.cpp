@@ -177,15 +177,25 @@ Spline global_removal(const Track& track, std::size_t order, double tolerance) {
         }
         return false;
     };
+    Spline best;
+    const auto offer = [&](const std::vector<double>& knots) {
+        Spline start;
+        if (!approximate(knots, start)) return false;
+        const Spline reduced = remove_knots(start, approximate, {tolerance, 40, true});
+        if (best.c.empty() || reduced.size() < best.size()) best = reduced;
+        return true;
+    };
     for (const std::size_t step : {2u, 1u}) {
         std::vector<double> inner;
         for (std::size_t i = step; i + order < track.size(); i += step)
             if (i >= order / 2) inner.push_back(track.t[i]);
-        Spline start;
-        if (approximate(clamped(track, order, inner), start))
-            return remove_knots(start, approximate, {tolerance, 40, true});
+        if (offer(clamped(track, order, inner))) break;
     }
-    return lyche_morken(track, order, tolerance / 4, 0);
+    const double component = track.channel == Channel::position ? tolerance : tolerance / 4;
+    const Spline published = lyche_morken(track, order, component, 0);
+    offer(published.knots);
+    if (best.c.empty()) best = published;
+    return best;
 }
 
 }  // namespace fairlead::sim

@@ -36,9 +36,9 @@ Spline reduce_curve(const Spline& f, double tolerance);
 /// `order`, reduced again with the rest. `tolerance` holds for each component.
 Spline lyche_morken(const Track& track, std::size_t order, double tolerance, double share);
 
-/// The same three steps checked where it counts, at the samples, starting from a dense least
-/// squares spline with a knot at every second sample; fits are pulled towards the largest error
-/// (Lawson weights) before a knot is kept.
+/// The same three steps checked where it counts, at the samples; fits are pulled towards the
+/// largest error (Lawson weights) before a knot is kept. From a dense least squares spline with a
+/// knot at every second sample, and from the published way's result: the better of the two.
 Spline global_removal(const Track& track, std::size_t order, double tolerance);
 
 }  // namespace fairlead::sim
