@@ -77,6 +77,7 @@ class Best {
   public:
     explicit Best(const Cell& cell) : cell_{cell} {}
     void offer(const Spline& spline) {
+        if (spline.c.empty()) return;  // the method failed
         const double error = largest_error(cell_.track, spline) / cell_.tolerance;
         const bool in = error <= 1, held = count_ > 0 && error_ <= 1;
         const bool wins = count_ == 0 || (in && !held) || (in && spline.size() < count_) ||
