@@ -91,6 +91,7 @@ gateway: setup-build setup-gateway ## build the gateway and its reader: build/fa
 .PHONY: gateway-peers gateway-measure
 gateway-peers: setup-gateway setup-modbus-peers ## other people's Modbus clients against the gateway, TCP and RTU
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll
+	@/usr/bin/python3 tests/gateway/service.py $(BUILD)
 	@/usr/bin/python3 tests/gateway/peers.py $(BUILD)
 gateway-measure: setup-gateway ## the figures of docs/gateway.md: a quarter of an hour
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-gateway-measure

@@ -33,6 +33,8 @@ struct UnitState {
     std::uint32_t bytes{};
     std::uint32_t frames{};
     std::uint32_t frames_damaged{};
+    std::uint32_t frames_lost{};
+    std::uint32_t bytes_skipped{};
     std::uint32_t resyncs{};
     std::uint32_t opened{};
     std::uint32_t lost{};

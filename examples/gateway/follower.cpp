@@ -79,6 +79,8 @@ bool CurveFollower::take(const std::uint8_t* bytes, std::size_t size) noexcept {
     }
     state_.frames = decoder_.counters().frames;
     state_.frames_damaged = decoder_.counters().damaged;
+    state_.frames_lost = decoder_.counters().lost_frames;
+    state_.bytes_skipped = decoder_.counters().skipped_bytes;
     return decoder_.counters().frames != frames;
 }
 

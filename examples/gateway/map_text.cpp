@@ -169,7 +169,7 @@ std::string map_telegraf() {
            "  timeout = \"1s\"\n"
            "  configuration_type = \"request\"\n" +
            telegraf_request("fairlead_live", "live.seq_begin", "history.spans_per_page") +
-           telegraf_request("fairlead_health", "health.publications", "health.deadline_misses") +
+           telegraf_request("fairlead_health", "health.publications", "health.bytes_skipped") +
            telegraf_request("fairlead_server", "server.uptime_s", "server.turn_max_us");
 }
 

@@ -143,7 +143,9 @@ void UnitTable::refresh(const ServerState& server, std::int64_t now_ns) noexcept
         .u32(s.period_us)
         .u32(s.publish_us)
         .u32(s.publish_max_us)
-        .u32(s.deadline_misses);
+        .u32(s.deadline_misses)
+        .u32(s.frames_lost)
+        .u32(s.bytes_skipped);
     const port::ModbusCounters& c = *server.counters;
     reg::Writer{registers(), reg::fields, "server.uptime_s"}
         .u32(static_cast<std::uint64_t>((now_ns - server.started_ns) / 1'000'000'000))

@@ -63,6 +63,8 @@ field health.period_us 116 1 4:int
 field health.publish_us 118 1 4:int
 field health.publish_max_us 120 1 4:int
 field health.deadline_misses 122 1 4:int
+field health.frames_lost 124 1 4:int
+field health.bytes_skipped 126 1 4:int
 field server.uptime_s 128 1 4:int
 field server.clients 130 1 4:int
 field server.requests 132 1 4:int

@@ -333,13 +333,15 @@ int history(const Options& options, double damaged_share) {
         d.samples, d.covered, d.worst_m, d.worst_rad, static_cast<unsigned long long>(c.spans),
         static_cast<unsigned long long>(c.lost_spans), static_cast<unsigned long long>(c.requests),
         static_cast<unsigned long long>(c.registers));
+    const auto health = [&](const char* name) {
+        return static_cast<unsigned long long>(unit_word(client, name));
+    };
     std::printf(
-        "bytes sent %llu, damaged %llu; frames good %llu, dropped %llu, back in step %llu times\n",
+        "bytes sent %llu, damaged %llu; frames good %llu, lost %llu, bytes skipped %llu, "
+        "curves back in step %llu times\n",
         static_cast<unsigned long long>(boards[0]->bytes()),
-        static_cast<unsigned long long>(boards[0]->damaged()),
-        static_cast<unsigned long long>(unit_word(client, "health.frames")),
-        static_cast<unsigned long long>(unit_word(client, "health.frames_damaged")),
-        static_cast<unsigned long long>(unit_word(client, "health.resyncs")));
+        static_cast<unsigned long long>(boards[0]->damaged()), health("health.frames"),
+        health("health.frames_lost"), health("health.bytes_skipped"), health("health.resyncs"));
     const bool within = d.worst_m <= static_cast<double>(BoardOnLine::tolerance_m) &&
                         d.worst_rad <= static_cast<double>(BoardOnLine::tolerance_rad);
     // the reducers still hold their delay's worth of samples when the board falls silent
