@@ -244,10 +244,10 @@ class Lsm6 {
             batch.state = FifoState::overrun;
             edge_ns = no_edge;
         }
-        const unsigned samples = words / 3;
-        const unsigned count = samples < Batch::capacity ? samples : Batch::capacity;
-        batch.more = samples > count;
-        s = read_packets(chip_, lsm6::fifo_data, 7, count * 3u,
+        // every word, whole samples or not: what an overrun has left of one must go, too
+        const unsigned count = words < 3 * Batch::capacity ? words : 3 * Batch::capacity;
+        batch.more = words > count;
+        s = read_packets(chip_, lsm6::fifo_data, 7, count,
                          [&](const std::uint8_t* w) { return take(w, batch); });
         stamp(batch, line_, config_.watermark - 1u, edge_ns, now_ns);
         if (s != Status::bad_data) return s;
