@@ -62,6 +62,17 @@ $(BUILD)/tests/gpio2: $(GPIO_TESTS) tests/port/gpio/fake_v2.cpp port/linux/gpio.
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) -Itests/port/gpio/v2 $(filter %.cpp,$^) -lgtest -lgtest_main -o $@
 
+# the port against a real kernel: a Debian machine under QEMU, its programs linked statically
+VM_PROGRAMS  := $(addprefix $(BUILD)/linux_vm/bin/,slave stream stub iio edges verify)
+VM_RECORDING := $(or $(firstword $(wildcard ../shared/recordings/08*.imu ../shared/recordings/*.imu)),-)
+$(VM_PROGRAMS): $(BUILD)/linux_vm/bin/%: $(BUILD)/obj/tests/linux_vm/%.o $(BUILD)/libport.a $(BUILD)/libsim.a
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) -static $^ -lgpiod -lz -o $@
+.PHONY: linux-vm-test
+linux-vm-test: setup-build setup-linux-vm ## boot a Debian kernel under QEMU and run the port against it (minutes)
+	@$(MAKE) BUILD=$(BUILD) $(VM_PROGRAMS)
+	@tests/linux_vm/run $(BUILD) $(VM_RECORDING)
+
 # the sensor drivers on a microcontroller: they compile for a Cortex-M4F and ask for no heap
 ARM_PORT := arm-none-eabi-g++ -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 $(BUILD)/device/drivers.o: tests/port/device/drivers.cpp $(wildcard port/sensors/*.hpp) $(LIB_HEADERS)

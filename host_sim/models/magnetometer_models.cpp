@@ -60,6 +60,9 @@ void Ak09916Model::reset() {
     regs_ = {};
     regs_[0x00] = 0x48;
     regs_[0x01] = 0x09;
+    // Not in the data sheet: Linux's driver reads sensitivity adjustments here, as in the AK09912,
+    // and takes 128 for none.
+    regs_[0x60] = regs_[0x61] = regs_[0x62] = 0x80;
     field_ = {};
     overflow_ = locked_ = false;
 }

@@ -57,7 +57,7 @@ class Ak09916Model final : public SensorModel {
     void sample(const Truth& truth, std::int64_t t_ns) override;
 
     std::function<bool()> gate_;
-    std::array<std::uint8_t, 64> regs_{};
+    std::array<std::uint8_t, 128> regs_{};
     std::array<std::int16_t, 3> field_{};
     bool overflow_{false};
     bool locked_{false};  // between the first byte of data and ST2 nothing changes

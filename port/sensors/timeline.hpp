@@ -29,12 +29,11 @@ class Timeline {
         tick_mask_ = tick_bits >= 32 ? 0xFFFFFFFFu : (1u << tick_bits) - 1u;
         restart();
     }
-    /// The line is lost: the next anchor begins another.
+    /// The chip's count is lost, and the line with it: the next anchor begins another, and what is
+    /// missing in between is told by the time between.
     void restart() noexcept {
-        anchors_ = 0;
-        outliers_ = 0;
+        forget_line();
         broken_ = true;
-        q16_ = nominal_q16_;
     }
     bool anchored() const noexcept { return anchors_ > 0; }
     std::int64_t period_ns() const noexcept { return period_ns_; }
@@ -66,7 +65,7 @@ class Timeline {
         const std::int64_t allowed = period_ns_ + (anchors_ == 1 ? (expected - base_ns_) / 8 : 0);
         if (error > allowed || error < -allowed) {
             ++set_aside_;
-            if (++outliers_ >= outliers_max) restart();
+            if (++outliers_ >= outliers_max) forget_line();  // the count still holds
             return false;
         }
         outliers_ = 0;
@@ -103,6 +102,11 @@ class Timeline {
     static constexpr std::int64_t memory = 16;  // anchors that the fit remembers
     static constexpr int outliers_max = 8;      // late edges in a row that end a line
 
+    void forget_line() noexcept {
+        anchors_ = 0;
+        outliers_ = 0;
+        q16_ = nominal_q16_;
+    }
     static std::uint32_t clamp32(std::int64_t n) noexcept {
         return n > 0xFFFFFFFF ? 0xFFFFFFFFu : static_cast<std::uint32_t>(n);
     }

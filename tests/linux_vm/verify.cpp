@@ -1,0 +1,115 @@
+// On the host, after the machine: does its log replay to the same bytes, and does every sample
+// equal the recording's after the chip's quantisation, holes flagged and counted? usage: verify
+// RECORDING|- LOG_PREFIX clean|faults SECONDS
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "host_sim/stream.hpp"
+#include "port/sensors/lsm6.hpp"
+#include "tests/linux_vm/chain.hpp"
+#include "tests/linux_vm/source.hpp"
+
+using namespace fairlead;
+
+namespace {
+
+struct NoBus {};
+using Imu = port::Lsm6<NoBus, port::lsm6::Dso>;
+int failures = 0;
+
+void check(bool good, const char* what, double figure) {
+    std::printf("%s linux_vm.%s (%g)\n", good ? "ok" : "FAIL", what, figure);
+    if (!good) ++failures;
+}
+
+std::vector<Sample> read_log(const std::string& path) {
+    const std::string bytes = sim::read_bytes(path);
+    std::vector<Sample> log(bytes.size() / sizeof(Sample));
+    std::memcpy(log.data(), bytes.data(), log.size() * sizeof(Sample));
+    return log;
+}
+
+/// The model's counts of a record against the driver's value.
+bool same(const Sample& s, const sim::Truth& t) {
+    const double gyro = 70e-3 * sim::pi / 180, accel = 0.488e-3 * sim::g_m_s2;  // data sheet
+    return sim::counts(s.gyro_rad_s, gyro) == sim::counts(t.gyro_rad_s, gyro) &&
+           sim::counts(s.accel_m_s2, accel) == sim::counts(t.accel_m_s2, accel);
+}
+
+struct Match {
+    std::size_t silent{0}, holes{0}, strangers{0};
+    std::int64_t missing{0};
+};
+
+/// Walks log and recording side by side; a record that is not in the log is a hole.
+Match match(const std::vector<Sample>& log, const vm::Source& source) {
+    constexpr std::int64_t reach = 1000;
+    Match m;
+    std::int64_t at = 0;
+    while (at < reach && !log.empty() && !same(log[0], source.at(at))) ++at;
+    m.strangers = at == reach ? 1 : 0;
+    for (std::size_t i = 1; i < log.size(); ++i) {
+        std::int64_t next = at + 1;
+        while (next < at + reach && !same(log[i], source.at(next))) ++next;
+        if (next == at + reach) {
+            ++m.strangers;
+            ++at;
+            continue;
+        }
+        if (next > at + 1) {
+            ++m.holes;
+            m.missing += next - at - 1;
+            if (!(log[i].flags & flag::gap_before)) ++m.silent;
+        }
+        at = next;
+    }
+    return m;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 5) return 2;
+    const std::string recording = argv[1], prefix = argv[2];
+    const bool clean = std::string{argv[3]} == "clean";
+    const double seconds = std::atof(argv[4]);
+    const std::vector<Sample> log = read_log(prefix + ".log");
+    const std::string stream = sim::read_bytes(prefix + ".stream");
+
+    vm::Chain chain;
+    std::vector<std::uint8_t> bytes;
+    for (const Sample& s : log) chain.push(s, bytes);
+    chain.flush(bytes);
+    const bool equal = bytes.size() == stream.size() &&
+                       std::memcmp(bytes.data(), stream.data(), bytes.size()) == 0;
+    check(equal && !bytes.empty(), "log-replays-to-the-same-bytes",
+          static_cast<double>(bytes.size()));
+
+    const vm::Source source{recording};
+    const Match m = match(log, source);
+    check(m.strangers == 0, "every-sample-is-the-recordings", static_cast<double>(log.size()));
+    check(m.silent == 0, "no-silent-loss", static_cast<double>(m.silent));
+    std::size_t disorder = 0, flagged = 0;
+    std::int64_t longest = 0;
+    for (std::size_t i = 1; i < log.size(); ++i) {
+        const std::int64_t step = log[i].t_ns - log[i - 1].t_ns;
+        if (step <= 0) ++disorder;
+        if (step > longest) longest = step;
+        if (log[i].flags & flag::gap_before) ++flagged;
+    }
+    check(disorder == 0, "times-in-order", static_cast<double>(disorder));
+    const double span = log.empty() ? 0 : static_cast<double>(log.back().t_ns - log[0].t_ns) * 1e-9;
+    check(span > seconds - 2, "seconds-streamed", span);
+    if (clean) {
+        check(m.missing == 0 && m.holes == 0, "no-sample-lost", static_cast<double>(m.missing));
+        check(flagged == 0, "no-gap-flag-without-loss", static_cast<double>(flagged));
+    } else {
+        check(flagged >= m.holes, "holes-flagged", static_cast<double>(m.holes));
+        check(longest < 100000000, "stream-goes-on-within-100-ms",
+              static_cast<double>(longest) * 1e-6);
+    }
+    return failures == 0 ? 0 : 1;
+}
