@@ -49,9 +49,16 @@ PORT_SOURCES := $(sort $(wildcard port/linux/*.cpp))
 PORT_TESTS   := $(sort $(wildcard tests/port/*.cpp))
 $(BUILD)/libport.a: $(call objects,$(PORT_SOURCES))
 	@rm -f $@ && $(AR) rcs $@ $^
-$(BUILD)/tests/port: $(call objects,$(PORT_TESTS)) $(BUILD)/libport.a $(BUILD)/libsim.a
+$(BUILD)/tests/port: $(call objects,$(PORT_TESTS) examples/record/writer.cpp) $(BUILD)/libport.a $(BUILD)/libsim.a
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -lgpiod -lgtest -lgtest_main -o $@
+
+# fairlead-record: a sensor into a file
+$(BUILD)/fairlead-record: $(call objects,examples/record/record.cpp examples/record/writer.cpp) $(BUILD)/libport.a $(BUILD)/libsim.a
+	$(CXX) $(HOST) $^ -lgpiod -o $@
+.PHONY: record
+record: setup-build setup-test ## build the recorder, build/fairlead-record
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-record
 
 # both versions of libgpiod, each over a fake line; version 2 by declarations of the tests' own
 GPIO_TESTS := tests/port/gpio/test_gpio.cpp tests/port/gpio/fake.cpp port/linux/gpio.cpp
@@ -160,7 +167,7 @@ test: setup-build setup-test setup-gateway ## build and run all tests that need 
 	@tests/run $(TEST_PROGRAMS)
 
 .PHONY: build-tests headers
-build-tests: $(TEST_PROGRAMS) $(BUILD)/fairlead-sim headers
+build-tests: $(TEST_PROGRAMS) $(BUILD)/fairlead-record $(BUILD)/fairlead-sim headers
 headers:         ## compile every public header alone, under the strict flags
 headers: $(patsubst lib/include/%.hpp,$(BUILD)/headers/%.ok,$(LIB_HEADERS))
 

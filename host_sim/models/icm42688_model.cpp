@@ -30,8 +30,8 @@ void Icm42688Model::reset() {
 }
 
 double Icm42688Model::period_ns() const {
-    if ((bank0_[0x4E] & 0x0F) != 0x0F) return 0;
-    switch (bank0_[0x4F] & 0x0F) {
+    if (!gyro_on() && !accel_on()) return 0;
+    switch (bank0_[gyro_on() ? 0x4F : 0x50] & 0x0F) {
         case 3: return 125e3;
         case 4: return 250e3;
         case 5: return 500e3;
@@ -51,6 +51,9 @@ void Icm42688Model::sample(const Truth& truth, std::int64_t t_ns) {
     gyro_ = counts(truth.gyro_rad_s, 2000.0 / (1 << gyro_fs) / 32768 * pi / 180);
     accel_ = counts(truth.accel_m_s2, 16.0 / (1 << (accel_fs & 3)) / 32768 * g_m_s2);
     temperature_ = counts(truth.temperature_c - 25.0f, 1 / 132.48);
+    constexpr std::array<std::int16_t, 3> none{INT16_MIN, INT16_MIN, INT16_MIN};
+    if (!gyro_on()) gyro_ = none;
+    if (!accel_on()) accel_ = none;
     const std::uint8_t st = defective ? 0 : bank0_[0x70];
     for (std::size_t i = 0; i < 3; ++i) {
         // trims hold at 250 deg/s and 2 g: code 3 of either range

@@ -29,6 +29,8 @@ class Icm42688Model final : public SensorModel {
     std::uint8_t fifo_byte();
     int fifo_count() const;
     void push_packet(std::int64_t t_ns);
+    bool gyro_on() const { return (bank0_[0x4E] & 0x0C) == 0x0C; }
+    bool accel_on() const { return (bank0_[0x4E] & 0x02) != 0; }
     bool fifo_on() const { return (bank0_[0x16] & 0xC0) != 0; }
 
     std::uint8_t id_;

@@ -3,7 +3,7 @@
 namespace fairlead::sim {
 
 void Lsm6Model::reset() {
-    regs_ = {};
+    regs_ = hub_ = embedded_ = {};
     regs_[0x0F] = dso() ? 0x6C : 0x70;
     regs_[0x12] = dso() ? 0x04 : 0x44;
     if (dso()) regs_[0x18] = 0xE0;
@@ -139,7 +139,14 @@ std::uint8_t Lsm6Model::after(std::uint8_t reg) const {
     return (regs_[0x12] & 0x04) ? static_cast<std::uint8_t>(reg + 1) : reg;
 }
 
+/// The page that the bus sees instead of the main one, or null.
+std::array<std::uint8_t, 256>* Lsm6Model::page() {
+    if (regs_[0x01] & 0x80) return &embedded_;
+    return (regs_[0x01] & 0x40) ? &hub_ : nullptr;
+}
+
 std::uint8_t Lsm6Model::get(std::uint8_t reg) {
+    if (reg != 0x01 && page() != nullptr) return (*page())[reg];
     if (reg >= 0x20 && reg <= 0x2D) {
         const std::size_t i = (reg - 0x20u) / 2;
         const int v = i == 0 ? temperature_ : i < 4 ? gyro_[i - 1] : accel_[i - 4];
@@ -161,6 +168,10 @@ std::uint8_t Lsm6Model::get(std::uint8_t reg) {
 }
 
 void Lsm6Model::set(std::uint8_t reg, std::uint8_t value) {
+    if (reg != 0x01 && page() != nullptr) {
+        (*page())[reg] = value;
+        return;
+    }
     const std::uint8_t trim_reg = dso() ? 0x63 : 0x4F;
     if (reg == 0x0F || reg == 0x1E || (reg >= 0x20 && reg <= 0x2D) || reg == trim_reg) return;
     if (reg == 0x42 && value == 0xAA) {

@@ -1,7 +1,8 @@
 #pragma once
 // LSM6DSO(X) and LSM6DSV(16X): reset, both sensors, data-ready (pulsed or latched), the FIFO of
 // 7-byte tagged words with 10- or 9-bit count, watermark, latched overrun, time stamps, trim, self
-// test. Not modelled: I3C, embedded functions, sensor hub, per-sensor rates that differ, power
+// test. The pages of the sensor hub and of the
+// embedded functions only remember. Not modelled: I3C, per-sensor rates that differ, power
 // modes.
 #include "host_sim/models/sensor_model.hpp"
 
@@ -30,6 +31,7 @@ class Lsm6Model final : public SensorModel {
     double period_ns() const override;
     void sample(const Truth& truth, std::int64_t t_ns) override;
 
+    std::array<std::uint8_t, 256>* page();
     void self_test();
     void batch(std::int64_t t_ns);
     void push_word(int tag, const std::uint8_t* six);
@@ -40,6 +42,7 @@ class Lsm6Model final : public SensorModel {
 
     Kind kind_;
     std::array<std::uint8_t, 256> regs_{};
+    std::array<std::uint8_t, 256> hub_{}, embedded_{};  // the pages behind FUNC_CFG_ACCESS
     std::array<std::int16_t, 3> gyro_{}, accel_{};
     std::int16_t temperature_{0};
     bool fresh_gyro_{false}, fresh_accel_{false};

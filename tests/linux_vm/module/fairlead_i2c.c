@@ -202,7 +202,21 @@ static const void *icm_part(const struct fwnode_handle *node, const struct devic
 {
 	return (void *)3; /* ICM42605 in the driver's own count */
 }
-static const struct fwnode_operations icm_operations = { .device_get_match_data = icm_part };
+static int no_strings(const struct fwnode_handle *node, const char *name, const char **value,
+		      size_t n)
+{
+	return -EINVAL;
+}
+static int no_numbers(const struct fwnode_handle *node, const char *name, unsigned int size,
+		      void *value, size_t n)
+{
+	return -EINVAL;
+}
+static const struct fwnode_operations icm_operations = {
+	.device_get_match_data = icm_part,
+	.property_read_string_array = no_strings,
+	.property_read_int_array = no_numbers,
+};
 static struct fwnode_handle icm_node;
 
 static void lend_names(struct i2c_board_info *info)

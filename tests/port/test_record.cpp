@@ -1,0 +1,88 @@
+// What fairlead-record leaves on the disk when it is cut at any byte.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <string>
+
+#include "examples/record/writer.hpp"
+#include "host_sim/stream.hpp"
+
+namespace fairlead {
+namespace {
+
+std::vector<Sample> samples(int n) {
+    std::vector<Sample> out;
+    for (int i = 0; i < n; ++i) {
+        Sample s;
+        s.t_ns = 5000000000 + i * 2400000LL;
+        const auto v = static_cast<float>(i);
+        s.gyro_rad_s = {0.1f * v, 1, -2};
+        s.accel_m_s2 = {v, 0.5f, 9.8f};
+        s.flags = flag::gyro_valid | flag::accel_valid;
+        out.push_back(s);
+    }
+    return out;
+}
+
+class RecordFile : public ::testing::TestWithParam<const char*> {
+  protected:
+    std::string path = ::testing::TempDir() + "fairlead_record" + GetParam();
+    RecordFile() { std::remove(path.c_str()); }
+    ~RecordFile() override { std::remove(path.c_str()); }
+};
+
+TEST_P(RecordFile, HoldsWhatWasAppended) {
+    record::Writer writer;
+    const auto all = samples(20);
+    ASSERT_TRUE(writer.open(path, "LSM6DSO", 0.0024)) << writer.error();
+    ASSERT_TRUE(writer.append({all.begin(), all.begin() + 7}));
+    ASSERT_TRUE(writer.append({}));
+    ASSERT_TRUE(writer.append({all.begin() + 7, all.end()}));
+    ASSERT_TRUE(writer.close());
+    const sim::Recording r = sim::read_recording(path);
+    ASSERT_EQ(r.samples.size(), all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        EXPECT_EQ(r.samples[i].t_ns - r.samples[0].t_ns, all[i].t_ns - all[0].t_ns);
+        EXPECT_EQ(r.samples[i].gyro_rad_s.x, all[i].gyro_rad_s.x);
+        EXPECT_EQ(r.samples[i].accel_m_s2.x, all[i].accel_m_s2.x);
+    }
+    EXPECT_FALSE(writer.open(path, "again", 0.0024)) << "it must not overwrite";
+}
+
+TEST_P(RecordFile, ACutAtAnyByteKeepsEveryCompleteRecord) {
+    const bool binary = std::string{GetParam()} == ".imu";
+    std::string bytes;
+    {
+        record::Writer writer;  // killed: copied while it is open
+        ASSERT_TRUE(writer.open(path, "LSM6DSO", 0.0024));
+        ASSERT_TRUE(writer.append(samples(12)));
+        bytes = sim::read_bytes(path);
+    }
+    const std::size_t header = binary ? 64 : bytes.find('\n') + 1;
+    for (std::size_t cut = header; cut <= bytes.size(); ++cut) {
+        const std::string_view kept{bytes.data(), cut};
+        std::size_t complete = binary ? (cut - 64) / 72 : 0;
+        for (std::size_t i = header; !binary && i < cut; ++i)
+            complete += bytes[i] == '\n' ? 1u : 0u;
+        std::size_t got = 0;
+        try {
+            got = sim::parse_recording(kept, "cut", sim::Salvage::yes).samples.size();
+        } catch (const sim::BadData&) {
+            EXPECT_LE(complete, 1u) << "refused at " << cut;
+            continue;
+        }
+        EXPECT_GE(got, complete) << "cut at " << cut;
+        EXPECT_LE(got, complete + (binary ? 0u : 1u)) << "cut at " << cut;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, RecordFile, ::testing::Values(".imu", ".csv"));
+
+TEST(Record, RefusesOtherFormats) {
+    record::Writer writer;
+    EXPECT_FALSE(writer.open("/tmp/x.txt", "", 0.01));
+    EXPECT_NE(writer.error().find(".imu or .csv"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fairlead
