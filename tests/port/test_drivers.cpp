@@ -139,7 +139,7 @@ class ImuDriver : public ::testing::Test {
 
 using Chips = ::testing::Types<Icm42688, Lsm6dsoChip, Lsm6dsvChip, MpuChip<0x68>, MpuChip<0x70>,
                                MpuChip<0x71>>;
-TYPED_TEST_SUITE(ImuDriver, Chips);
+TYPED_TEST_SUITE(ImuDriver, Chips, );
 
 TYPED_TEST(ImuDriver, ProbeReportsWhoAnswered) {
     const Probe p = this->driver.probe();
@@ -650,7 +650,7 @@ struct Ak09916Chip {
 template <class Chip>
 class MagDriver : public ::testing::Test {};
 using MagChips = ::testing::Types<Lis3mdlChip, Ak09916Chip>;
-TYPED_TEST_SUITE(MagDriver, MagChips);
+TYPED_TEST_SUITE(MagDriver, MagChips, );
 
 TYPED_TEST(MagDriver, StartsReadsAndSaysWhatItMissed) {
     Rig<TypeParam> rig;

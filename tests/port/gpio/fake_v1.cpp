@@ -20,22 +20,22 @@ int request(int edges) {
 }  // namespace
 
 extern "C" {
-gpiod_chip* gpiod_chip_open(const char*) noexcept {
+gpiod_chip* gpiod_chip_open(const char*) {
     if (line().open_error != 0) return errno = line().open_error, nullptr;
     ++line().chips;
     return reinterpret_cast<gpiod_chip*>(&chip);
 }
-void gpiod_chip_close(gpiod_chip*) noexcept { --line().chips; }
-gpiod_line* gpiod_chip_get_line(gpiod_chip*, unsigned offset) noexcept {
+void gpiod_chip_close(gpiod_chip*) { --line().chips; }
+gpiod_line* gpiod_chip_get_line(gpiod_chip*, unsigned offset) {
     if (offset > 7) return errno = EINVAL, nullptr;
     return reinterpret_cast<gpiod_line*>(&handle);
 }
-int gpiod_line_request_rising_edge_events(gpiod_line*, const char*) noexcept { return request(1); }
-int gpiod_line_request_falling_edge_events(gpiod_line*, const char*) noexcept { return request(2); }
-int gpiod_line_request_both_edges_events(gpiod_line*, const char*) noexcept { return request(3); }
-int gpiod_line_event_get_fd(gpiod_line*) noexcept { return line().fd; }
-void gpiod_line_release(gpiod_line*) noexcept { --line().requests; }
-int gpiod_line_event_read_multiple(gpiod_line*, gpiod_line_event* events, unsigned n) noexcept {
+int gpiod_line_request_rising_edge_events(gpiod_line*, const char*) { return request(1); }
+int gpiod_line_request_falling_edge_events(gpiod_line*, const char*) { return request(2); }
+int gpiod_line_request_both_edges_events(gpiod_line*, const char*) { return request(3); }
+int gpiod_line_event_get_fd(gpiod_line*) { return line().fd; }
+void gpiod_line_release(gpiod_line*) { --line().requests; }
+int gpiod_line_event_read_multiple(gpiod_line*, gpiod_line_event* events, unsigned n) {
     if (line().read_error != 0) return errno = line().read_error, -1;
     unsigned i = 0;
     for (; i < n && !line().events.empty(); ++i) {
