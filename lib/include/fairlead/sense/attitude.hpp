@@ -33,6 +33,8 @@ class BasicAttitude {
     static constexpr std::size_t latency = 0;
 
     explicit BasicAttitude(const AttitudeParams& params = {}) noexcept : params_{params} {
+        constexpr float longest_s = 2.0f;  // a step in ns fits 32 bits
+        gap_ns_max_ = static_cast<std::int32_t>(std::min(params.gap_s_max, longest_s) * 1e9f);
         reset();
     }
 
@@ -52,7 +54,7 @@ class BasicAttitude {
             return pose(sample);
         }
         if (sample.t_ns <= s_.t_ns) return std::nullopt;
-        if (sample.t_ns - s_.t_ns > gap_ns_max()) {  // also where only invalid samples came
+        if (sample.t_ns - s_.t_ns > gap_ns_max_) {  // also where only invalid samples came
             if (has_gyro && has_accel) begin(sample);
             return pose(sample, has_gyro && has_accel);
         }
@@ -108,16 +110,12 @@ class BasicAttitude {
         return {static_cast<Real>(v.x), static_cast<Real>(v.y), static_cast<Real>(v.z)};
     }
     static bool valid(const Sample& sample, std::uint32_t bit, const Vec3& v) noexcept {
-        return (sample.flags & bit) != 0 && is_finite(v);
+        return (sample.flags & bit) != 0 && approx::is_finite(v.x + v.y + v.z);
     }
     static bool beyond(const Vec3& v, float max) noexcept {
         constexpr float full = 0.99f;  // of the range: the last code may be a little below it
         const float limit = full * max;
         return approx::abs(v.x) >= limit || approx::abs(v.y) >= limit || approx::abs(v.z) >= limit;
-    }
-    std::int64_t gap_ns_max() const noexcept {
-        constexpr float longest_s = 2.0f;  // a step in ns fits 32 bits
-        return static_cast<std::int64_t>(std::min(params_.gap_s_max, longest_s) * 1e9f);
     }
     Real tilt_variance() const noexcept {
         return s_.covariance(State::tilt, State::tilt) +
@@ -148,7 +146,7 @@ class BasicAttitude {
     }
 
     void step(const Sample& sample, bool has_accel) noexcept {
-        // at most gap_ns_max(): the difference fits 32 bits, whose conversion is one instruction
+        // at most gap_ns_max_: the difference fits 32 bits, whose conversion is one instruction
         const Real dt = static_cast<Real>(static_cast<std::int32_t>(sample.t_ns - s_.t_ns)) *
                         static_cast<Real>(1e-9);
         s_.t_ns = sample.t_ns;
@@ -180,22 +178,24 @@ class BasicAttitude {
         w.turn2 += 4 * half2;
         ++w.count;
 
-        const std::uint32_t seen =
-            (rest ? flag::rest : 0u) | (blind || (has_accel && !usable_accel) ? flag::clipped : 0u);
-        s_.flags =
-            static_cast<std::uint16_t>(seen | (s_.flags & (flag::settling | flag::mag_rejected)));
+        std::uint32_t flags = s_.flags & (flag::settling | flag::mag_rejected);
+        if (rest) flags |= flag::rest;
+        if (blind || (has_accel && !usable_accel)) flags |= flag::clipped;
+        s_.flags = static_cast<std::uint16_t>(flags);
         if (s_.phase == AttitudePhase::aligning)
             align();
         else
-            filter();
+            filter(gyro);
     }
 
     /// One slice, or two where the samples are so rare that the step would outlast its window.
-    void filter() noexcept {
+    void filter(const Vector& gyro) noexcept {
         const auto& w = s_.sums;
         const auto step_s = static_cast<Real>(params_.step_s);
         if (s_.slice == Kalman::idle) {
             if (w.time + s_.period_s / 2 < step_s) return;
+            note_repeats(gyro);
+            judge_rest(s_.rest, params_, w.time);
             Kalman::close_window(s_, params_);
             return;
         }
@@ -272,7 +272,7 @@ class BasicAttitude {
         const float range = params_.gyro_max_rad_s;
         const bool clipped =
             range > 0 ? beyond(sample.gyro_rad_s, range) : (sample.flags & flag::clipped) != 0;
-        const bool dead = note_repeats(sample.gyro_rad_s) || (sample.flags & flag::stuck) != 0;
+        const bool dead = s_.gyro_dead || (sample.flags & flag::stuck) != 0;
         if (!clipped && !dead) {
             s_.blind_s = 0;
             return false;
@@ -287,20 +287,19 @@ class BasicAttitude {
         return true;
     }
 
-    /// True where an axis has told the same number for too long while the board moves.
-    bool note_repeats(const Vec3& gyro) noexcept {
-        constexpr std::uint8_t dead_samples = 32;
-        const Vector now = widen(gyro);
-        const auto count = [](Real a, Real b, std::uint8_t& n) {
-            n = a == b ? static_cast<std::uint8_t>(std::min(n + 1, int{dead_samples}))
-                       : std::uint8_t{0};
-            return n == dead_samples;
+    /// Once a window: has an axis told the same number several times while the board moved?
+    void note_repeats(const Vector& gyro) noexcept {
+        constexpr std::uint8_t dead_windows = 4;
+        const auto dead = [](Real now, Real& before, std::uint8_t& n) {
+            n = now == before ? static_cast<std::uint8_t>(std::min<int>(n + 1, dead_windows))
+                              : std::uint8_t{0};
+            before = now;
+            return n == dead_windows;
         };
-        const bool x = count(now.x, s_.raw_gyro.x, s_.repeats[0]);
-        const bool y = count(now.y, s_.raw_gyro.y, s_.repeats[1]);
-        const bool z = count(now.z, s_.raw_gyro.z, s_.repeats[2]);
-        s_.raw_gyro = now;
-        return (x || y || z) && s_.rest.quiet_s <= 0;
+        const bool x = dead(gyro.x, s_.raw_gyro.x, s_.repeats[0]);
+        const bool y = dead(gyro.y, s_.raw_gyro.y, s_.repeats[1]);
+        const bool z = dead(gyro.z, s_.raw_gyro.z, s_.repeats[2]);
+        s_.gyro_dead = (x || y || z) && s_.rest.quiet_s <= 0;
     }
 
     bool accel_clipped(const Sample& sample) const noexcept {
@@ -328,17 +327,18 @@ class BasicAttitude {
         ++s_.field.count;
     }
 
-    Pose pose(const Sample& sample, bool known = true) const noexcept {
-        Pose out;
-        out.t_ns = sample.t_ns;
-        out.q_wb = {static_cast<float>(s_.q_wb.w), static_cast<float>(s_.q_wb.x),
-                    static_cast<float>(s_.q_wb.y), static_cast<float>(s_.q_wb.z)};
-        out.flags = s_.flags | (sample.flags & flag::gap_before) |
-                    (known ? flag::orientation_valid : flag::settling);
+    std::optional<Pose> pose(const Sample& sample, bool known = true) const noexcept {
+        std::optional<Pose> out{std::in_place};
+        out->t_ns = sample.t_ns;
+        out->q_wb = {static_cast<float>(s_.q_wb.w), static_cast<float>(s_.q_wb.x),
+                     static_cast<float>(s_.q_wb.y), static_cast<float>(s_.q_wb.z)};
+        out->flags = s_.flags | (sample.flags & flag::gap_before) |
+                     (known ? flag::orientation_valid : flag::settling);
         return out;
     }
 
     AttitudeParams params_;
+    std::int32_t gap_ns_max_{};
     State s_;
 };
 

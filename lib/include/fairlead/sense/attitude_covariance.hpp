@@ -6,6 +6,7 @@
 // Positive over a day of data in float, and why a square-root form is not needed: docs/attitude.md.
 #include <array>
 #include <cstddef>
+#include <utility>
 
 namespace fairlead {
 
@@ -54,12 +55,22 @@ struct Covariance {
     }
 
     /// What measuring a quantity with covariances `with` to the states takes away: with with' / s.
-    constexpr void shrink(const Column& with, Real one_by_s) noexcept {
-        Real* p = packed.data();
-        for (std::size_t i = 0; i < N; ++i) {
-            const Real gain = with[i] * one_by_s;
-            for (std::size_t j = 0; j <= i; ++j) *p++ -= gain * with[j];
-        }
+    /// Unrolled: half the instructions of a loop over so short rows, for 2 kB of code.
+    [[gnu::noinline]] void shrink(const Column& with, Real one_by_s) noexcept {
+        shrink_rows(with, one_by_s, std::make_index_sequence<N>{});
+    }
+
+  private:
+    template <std::size_t... I>
+    void shrink_rows(const Column& with, Real one_by_s, std::index_sequence<I...>) noexcept {
+        (shrink_row(packed.data() + row(I), with[I] * one_by_s, with,
+                    std::make_index_sequence<I + 1>{}),
+         ...);
+    }
+    template <std::size_t... J>
+    static void shrink_row(Real* p, Real gain, const Column& with,
+                           std::index_sequence<J...>) noexcept {
+        ((p[J] -= gain * with[J]), ...);
     }
 };
 

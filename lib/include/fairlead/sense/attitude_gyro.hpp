@@ -57,6 +57,7 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
         // a gap of any length is bridged: there is nothing better to do
         const auto dt = static_cast<Real>(static_cast<float>(sample.t_ns - s_.t_ns) * 1e-9f);
         s_.t_ns = sample.t_ns;
+        judge_rest(s_.rest, params_, dt);
         const bool rest = update_rest(s_.rest, params_, gyro, Vector{}, dt);
         learn_bias(rest, dt);
         const Vector rate = gyro - s_.bias_rad_s;
@@ -65,7 +66,8 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
         s_.rate_rad_s = rate;
         const Vector turn = dt * mean;
         s_.q_wb = normalised(s_.q_wb * turn_quat(turn, dot(turn, turn)));
-        return pose(sample, flag::orientation_valid | (rest ? flag::rest : 0u));
+        constexpr std::uint32_t moving = flag::orientation_valid, still = moving | flag::rest;
+        return pose(sample, rest ? still : moving);
     }
     static constexpr std::optional<Pose> flush() noexcept { return std::nullopt; }
 

@@ -13,36 +13,34 @@
 
 namespace fairlead {
 
-namespace detail {
-
-inline constexpr float rest_noise_factor2 = 25;  // five times the noise
-
-/// The largest squared deviation that is quiet, after one more squared deviation d2.
+/// Every Kalman step: what is quiet for this sensor, and whether its mean rate can be a bias.
 template <class Real>
-inline Real quiet_limit2(Real& noise2, Real& floor2, Real d2, Real gain, Real rise, float limit,
-                         float noise_max) noexcept {
-    noise2 += gain * (d2 - noise2);
-    floor2 = std::min(floor2 * rise, noise2);
-    const Real least = static_cast<Real>(limit * limit);
-    return std::clamp(static_cast<Real>(rest_noise_factor2) * floor2, least,
-                      least * static_cast<Real>(noise_max * noise_max));
+inline void judge_rest(RestState<Real>& s, const AttitudeParams& p, Real time) noexcept {
+    constexpr Real noise_factor2 = 25;                          // five times the noise
+    const Real rise = 1 + time * static_cast<Real>(1.0 / 600);  // a warmer sensor, in ten minutes
+    const auto most = static_cast<Real>(p.rest_noise_max * p.rest_noise_max);
+    const auto limit2 = [&](Real& floor2, Real noise2, float limit) {
+        floor2 = std::min(floor2 * rise, noise2);
+        const auto least = static_cast<Real>(limit * limit);
+        return std::clamp(noise_factor2 * floor2, least, least * most);
+    };
+    s.gyro_max2 = limit2(s.gyro_floor2, s.gyro_noise2, p.rest_gyro_rad_s);
+    s.accel_max2 = limit2(s.accel_floor2, s.accel_noise2, p.rest_accel_m_s2);
+    const auto bias = static_cast<Real>(p.bias_max_rad_s);
+    s.plausible = approx::abs(s.gyro.x) <= bias && approx::abs(s.gyro.y) <= bias &&
+                  approx::abs(s.gyro.z) <= bias;
 }
-
-}  // namespace detail
 
 template <class Real>
 inline void start_rest(RestState<Real>& s, const AttitudeParams& p, const BasicVec3<Real>& gyro,
                        const BasicVec3<Real>& accel) noexcept {
-    // noise unknown: assume the most
-    const auto most2 = [&](float limit) {
-        return static_cast<Real>(limit * limit * p.rest_noise_max * p.rest_noise_max /
-                                 detail::rest_noise_factor2);
-    };
     s = {};
     s.gyro = gyro;
     s.accel = accel;
-    s.gyro_noise2 = s.gyro_floor2 = most2(p.rest_gyro_rad_s);
-    s.accel_noise2 = s.accel_floor2 = most2(p.rest_accel_m_s2);
+    // noise unknown: assume the most
+    s.gyro_floor2 = s.gyro_noise2 = static_cast<Real>(1);
+    s.accel_floor2 = s.accel_noise2 = static_cast<Real>(100);
+    judge_rest(s, p, Real{0});
 }
 
 /// Takes one sample; true when the board has been quiet for params.rest_s.
@@ -50,20 +48,18 @@ template <class Real>
 inline bool update_rest(RestState<Real>& s, const AttitudeParams& p, const BasicVec3<Real>& gyro,
                         const BasicVec3<Real>& accel, Real dt) noexcept {
     const Real gain = dt / (static_cast<Real>(p.rest_window_s) + dt);
-    const Real rise = 1 + dt * static_cast<Real>(1.0 / 600);  // a warmer sensor, in ten minutes
     s.gyro += gain * (gyro - s.gyro);
     s.accel += gain * (accel - s.accel);
     const BasicVec3<Real> g = gyro - s.gyro, a = accel - s.accel;
     const Real g2 = dot(g, g), a2 = dot(a, a);
-    const Real g_max2 = detail::quiet_limit2(s.gyro_noise2, s.gyro_floor2, g2, gain, rise,
-                                             p.rest_gyro_rad_s, p.rest_noise_max);
-    const Real a_max2 = detail::quiet_limit2(s.accel_noise2, s.accel_floor2, a2, gain, rise,
-                                             p.rest_accel_m_s2, p.rest_noise_max);
-    const auto bias = static_cast<Real>(p.bias_max_rad_s);
-    const bool quiet = g2 < g_max2 && a2 < a_max2 && approx::abs(s.gyro.x) <= bias &&
-                       approx::abs(s.gyro.y) <= bias && approx::abs(s.gyro.z) <= bias;
-    s.quiet_s = quiet ? std::min(s.quiet_s + dt, static_cast<Real>(p.rest_s)) : Real{0};
-    return s.quiet_s >= static_cast<Real>(p.rest_s);
+    s.gyro_noise2 += gain * (g2 - s.gyro_noise2);
+    s.accel_noise2 += gain * (a2 - s.accel_noise2);
+    const auto enough = static_cast<Real>(p.rest_s);
+    if (!(g2 < s.gyro_max2 && a2 < s.accel_max2 && s.plausible))
+        s.quiet_s = 0;
+    else if (s.quiet_s < enough)
+        s.quiet_s += dt;
+    return s.quiet_s >= enough;
 }
 
 }  // namespace fairlead

@@ -46,7 +46,9 @@ struct RestState {
     BasicVec3<Real> gyro{}, accel{};     // low-passed
     Real gyro_noise2{}, accel_noise2{};  // mean squared deviation from that
     Real gyro_floor2{}, accel_floor2{};  // the least of it so far
+    Real gyro_max2{}, accel_max2{};      // deviations below are quiet
     Real quiet_s{};
+    bool plausible{};  // the mean rate may be a bias
 };
 
 template <class Real, AttitudeMode mode>
@@ -89,6 +91,7 @@ struct AttitudeState {
     Real blind_s{};              // for so long the gyro has been clipped or stuck
     BasicVec3<Real> raw_gyro{};  // the last reading, to notice an axis that has died
     std::array<std::uint8_t, 3> repeats{};
+    bool gyro_dead{};
     AttitudePhase phase{};
     std::uint8_t slice{};   // 0: the Kalman step is idle
     std::uint16_t flags{};  // of the last pose

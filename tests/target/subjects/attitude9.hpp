@@ -1,0 +1,16 @@
+#pragma once
+// Orientation from gyro, accelerometer and magnetometer.
+#include "fairlead/sense/attitude.hpp"
+#include "tests/target/subject.hpp"
+
+struct Subject {
+    static constexpr const char* text = "attitude from gyro, accelerometer and magnetometer, defaults";
+    static constexpr unsigned latency = 0;
+    static constexpr bool takes_samples = true;
+    static constexpr bool takes_anything = true;
+    using Output = fairlead::Pose;
+    fairlead::Attitude stage{};
+
+    std::optional<Output> push(const fairlead::target::Record& in) { return stage.push(in.sample); }
+    std::optional<Output> flush() { return stage.flush(); }
+};
