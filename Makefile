@@ -34,7 +34,8 @@ $(BUILD)/tests/unit: $(call objects,$(UNIT_SOURCES)) $(BUILD)/libsim.a
 
 # ---- the host simulator: a program, and its parts as an archive for the tests
 SIM_SOURCES := $(filter-out host_sim/sim.cpp, \
-                 $(sort $(wildcard host_sim/*.cpp host_sim/commands/*.cpp host_sim/models/*.cpp)))
+                 $(sort $(wildcard host_sim/*.cpp host_sim/commands/*.cpp host_sim/models/*.cpp \
+                                  host_sim/report/*.cpp)))
 $(BUILD)/libsim.a: $(call objects,$(SIM_SOURCES))
 	@rm -f $@ && $(AR) rcs $@ $^
 $(BUILD)/fairlead-sim: $(call objects,host_sim/sim.cpp) $(BUILD)/libsim.a
@@ -221,6 +222,21 @@ size: setup-target ## flash, RAM and stack of the firmware example, and its link
 	@$(TARGET) firmware
 must-fail: setup-target ## plant five faults in copies of the tree: the target checks must catch each
 	@tests/must_fail/plantings.py
+
+# ---- orientation on the recordings: the tables of docs/attitude.md, and a day of data
+RECORDINGS ?= ../shared/recordings
+$(BUILD)/bench-attitude: $(call objects,$(wildcard host_sim/bench_attitude/*.cpp host_sim/baselines/ahrs/*.cpp)) \
+		$(BUILD)/libsim.a
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -o $@
+
+.PHONY: attitude-table attitude-day
+attitude-table: setup-build setup-reference ## measure orientation on all recordings and rewrite the tables of docs/attitude.md
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-attitude
+	$(BUILD)/bench-attitude table $(RECORDINGS) --into docs/attitude.md
+attitude-day: setup-build setup-reference ## a day of recordings on end: float beside double, covariance positive throughout
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-attitude
+	$(BUILD)/bench-attitude day $(RECORDINGS)
 
 .PHONY: clean
 clean:           ## remove everything that was built

@@ -12,9 +12,12 @@ constexpr const char* version = "fairlead-sim 0.1.0";
 constexpr int exit_ok = 0, exit_bad_data = 1, exit_usage = 2;
 
 void add_commands(CLI::App& app) {  // one line each
+    fairlead::sim::add_allan(app);
+    fairlead::sim::add_attitude(app);
     fairlead::sim::add_faults(app);
     fairlead::sim::add_generate(app);
     fairlead::sim::add_info(app);
+    fairlead::sim::add_score(app);
 }
 
 }  // namespace

@@ -6,8 +6,11 @@ class App;
 
 namespace fairlead::sim {
 
+void add_allan(CLI::App& app);
+void add_attitude(CLI::App& app);
 void add_faults(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_info(CLI::App& app);
+void add_score(CLI::App& app);
 
 }  // namespace fairlead::sim

@@ -85,13 +85,10 @@ class BasicAttitude {
         return rotate(conj(s_.q_wb), earth_acceleration(sample));
     }
     /// Standard deviations, rad. Inclination: of the whole angle between the two verticals.
-    Real inclination_sigma() const noexcept {
-        return approx::sqrt(std::max(tilt_variance(), Real{0}));
-    }
+    Real inclination_sigma() const noexcept { return reported(tilt_variance(), 0); }
     Real heading_sigma() const noexcept {
         static_assert(has_field, "without a magnetometer heading is only relative");
-        const auto north = static_cast<Real>(params_.field_offset);
-        return approx::sqrt(std::max(heading_variance(), Real{0}) + north * north);
+        return reported(heading_variance(), params_.field_offset);
     }
 
     // ---- what a board keeps over a power-down
@@ -122,6 +119,12 @@ class BasicAttitude {
                s_.covariance(State::tilt + 1, State::tilt + 1);
     }
     Real heading_variance() const noexcept { return s_.covariance(State::heading, State::heading); }
+
+    /// The noise that the filter assumes is cautious; params.sigma_scale makes its report honest.
+    Real reported(Real variance, float offset) const noexcept {
+        const Real v = std::max(variance, Real{0}) + static_cast<Real>(offset * offset);
+        return static_cast<Real>(params_.sigma_scale) * approx::sqrt(v);
+    }
 
     /// The first sample, and the first after an outage.
     void begin(const Sample& sample) noexcept {

@@ -56,6 +56,7 @@ struct AttitudeParams {
     float field_offset = 1.0f * deg;  // error of magnetic north itself: reported, never corrected
 
     // ---- reporting
+    float sigma_scale = 0.6f;         // of the reported standard deviations
     float settled_tilt = 3.0f * deg;  // flag::settling until both are known so well
     float settled_heading = 10.0f * deg;
 };

@@ -1,0 +1,169 @@
+#include "host_sim/attitude_run.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "fairlead/sense/attitude.hpp"
+#include "fairlead/sense/attitude_gyro.hpp"
+#include "fairlead/sense/intake.hpp"
+#include "host_sim/random.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+constexpr double rad_to_deg = 57.295779513082320877;
+
+/// The samples that reach the filter, with the time stamps it sees; `index` tells which they were.
+struct Delivered {
+    std::vector<Sample> samples;
+    std::vector<std::size_t> index;
+};
+
+Delivered deliver(const Recording& recording, const Conditions& conditions) {
+    Delivered out;
+    Random random{conditions.drop.seed};
+    const double start_chance = conditions.drop.rate / std::max(1, conditions.drop.burst);
+    int lost = 0;
+    const std::int64_t t0 = recording.samples.front().t_ns;
+    for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+        Sample sample = recording.samples[i];
+        const double t_s = static_cast<double>(sample.t_ns - t0) * 1e-9;
+        if (t_s < conditions.start_s || i % static_cast<std::size_t>(conditions.every) != 0)
+            continue;
+        if (lost == 0 && conditions.drop.rate > 0 && random.uniform() < start_chance)
+            lost = conditions.drop.burst;
+        if (lost > 0) {
+            --lost;
+            continue;
+        }
+        if (conditions.spoil) conditions.spoil(sample, t_s);
+        sample.t_ns =
+            t0 + static_cast<std::int64_t>(std::llround(static_cast<double>(sample.t_ns - t0) *
+                                                        (1 + conditions.rate_error)));
+        out.samples.push_back(sample);
+        out.index.push_back(i);
+    }
+    return out;
+}
+
+template <class Filter>
+std::vector<Pose> run(const Recording& recording, const Delivered& in,
+                      const AttitudeParams& params) {
+    Intake<Sample> intake;
+    Filter filter{params};
+    std::vector<Pose> out;
+    for (std::size_t i = 0; i < in.samples.size(); ++i) {
+        const auto sample = intake.push(in.samples[i]);
+        if (!sample) continue;
+        auto pose = filter.push(*sample);
+        if (!pose) continue;
+        pose->t_ns = recording.samples[in.index[i]].t_ns;
+        out.push_back(*pose);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::vector<Pose> run_attitude(const Recording& recording, AttitudeMode mode,
+                               const AttitudeParams& params, const Conditions& conditions) {
+    if (recording.samples.empty()) throw BadData(recording.name + ": holds no IMU samples");
+    const Delivered in = deliver(recording, conditions);
+    switch (mode) {
+        case AttitudeMode::gyro: return run<AttitudeGyro>(recording, in, params);
+        case AttitudeMode::imu: return run<AttitudeImu>(recording, in, params);
+        case AttitudeMode::imu_mag: break;
+    }
+    return run<Attitude>(recording, in, params);
+}
+
+Score score(const Recording& recording, const std::vector<Pose>& estimate, double from_s,
+            double to_s) {
+    if (recording.truth.size() != recording.samples.size() || recording.truth.empty())
+        throw BadData(recording.name + ": holds no reference orientation");
+    Score out;
+    std::size_t i = 0;
+    const std::int64_t t0 = recording.samples.front().t_ns;
+    for (const Pose& pose : estimate) {
+        while (i < recording.samples.size() && recording.samples[i].t_ns < pose.t_ns) ++i;
+        if (i == recording.samples.size()) break;
+        if (recording.samples[i].t_ns != pose.t_ns) continue;
+        const double t_s = static_cast<double>(pose.t_ns - t0) * 1e-9;
+        const bool moving = i < recording.moving.size() && recording.moving[i] != 0;
+        if (!moving || (recording.truth[i].flags & flag::orientation_valid) == 0) continue;
+        if (t_s < from_s || t_s >= to_s) continue;
+        const Quat &q = pose.q_wb, &r = recording.truth[i].q_wb;
+        const double qw = static_cast<double>(q.w), qx = static_cast<double>(q.x),
+                     qy = static_cast<double>(q.y), qz = static_cast<double>(q.z);
+        const double rw = static_cast<double>(r.w), rx = static_cast<double>(r.x),
+                     ry = static_cast<double>(r.y), rz = static_cast<double>(r.z);
+        const double w = qw * rw + qx * rx + qy * ry + qz * rz;
+        const double z = -qw * rz - qx * ry + qy * rx + qz * rw;
+        if (!std::isfinite(w) || !std::isfinite(z)) {
+            ++out.not_finite;
+            continue;
+        }
+        const double total = 2 * std::acos(std::min(1.0, std::abs(w)));
+        const double heading = 2 * std::atan2(std::abs(z), std::abs(w));
+        const double inclination = 2 * std::acos(std::min(1.0, std::hypot(w, z)));
+        out.total_deg += total * total;
+        out.heading_deg += heading * heading;
+        out.inclination_deg += inclination * inclination;
+        out.worst_inclination_deg = std::max(out.worst_inclination_deg, rad_to_deg * inclination);
+        ++out.count;
+    }
+    const auto n = static_cast<double>(std::max<std::size_t>(out.count, 1));
+    out.total_deg = rad_to_deg * std::sqrt(out.total_deg / n);
+    out.heading_deg = rad_to_deg * std::sqrt(out.heading_deg / n);
+    out.inclination_deg = rad_to_deg * std::sqrt(out.inclination_deg / n);
+    return out;
+}
+
+double movement_start_s(const Recording& recording) {
+    for (std::size_t i = 0; i < recording.moving.size(); ++i)
+        if (recording.moving[i] != 0)
+            return static_cast<double>(recording.t_ns(i) - recording.t_ns(0)) * 1e-9;
+    return 0;
+}
+
+std::string to_estimate_csv(const std::vector<Pose>& estimate) {
+    std::string out = "t_ns,qw,qx,qy,qz\n";
+    char line[128];
+    for (const Pose& pose : estimate) {
+        const Quat& q = pose.q_wb;
+        std::snprintf(line, sizeof line, "%lld,%.9g,%.9g,%.9g,%.9g\n",
+                      static_cast<long long>(pose.t_ns), static_cast<double>(q.w),
+                      static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z));
+        out += line;
+    }
+    return out;
+}
+
+std::vector<Pose> parse_estimate_csv(const std::string& text, const std::string& name) {
+    std::vector<Pose> out;
+    std::istringstream lines{text};
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number) {
+        if (line.empty() || (number == 1 && line.rfind("t_ns", 0) == 0)) continue;
+        long long t_ns = 0;
+        double q[4]{};
+        char rest = 0;
+        const int fields = std::sscanf(line.c_str(), "%lld,%lf,%lf,%lf,%lf %c", &t_ns, &q[0], &q[1],
+                                       &q[2], &q[3], &rest);
+        if (fields != 5)
+            throw BadData(name + ": line " + std::to_string(number) +
+                          " is not t_ns,qw,qx,qy,qz: " + line);
+        Pose pose;
+        pose.t_ns = t_ns;
+        pose.q_wb = {static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2]),
+                     static_cast<float>(q[3])};
+        pose.flags = flag::orientation_valid;
+        out.push_back(pose);
+    }
+    return out;
+}
+
+}  // namespace fairlead::sim

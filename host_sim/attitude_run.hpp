@@ -1,0 +1,55 @@
+#pragma once
+// The attitude filter over a recording, as it was or under conditions, and the score of the result.
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fairlead/sense/attitude_params.hpp"
+#include "fairlead/sense/attitude_state.hpp"
+#include "host_sim/stream.hpp"
+
+namespace fairlead::sim {
+
+struct DropPlan {
+    double rate{0};  // share of the samples that is lost
+    int burst{1};    // in runs of so many
+    std::uint64_t seed{1};
+};
+
+/// What happens to a recording on its way to the filter.
+struct Conditions {
+    DropPlan drop;
+    double rate_error{0};  // 0.01: the time stamps say 1 % more than is true
+    int every{1};          // keep one sample of so many
+    double start_s{0};     // from the recording's start
+    std::function<void(Sample&, double t_s)> spoil;  // t_s: from the recording's start
+};
+
+/// One estimate per sample that reached the filter, at the recording's own time stamps. Samples
+/// pass an Intake first. No knowledge of the reference.
+std::vector<Pose> run_attitude(const Recording& recording, AttitudeMode mode,
+                               const AttitudeParams& params = {},
+                               const Conditions& conditions = {});
+
+struct Score {
+    double total_deg{}, heading_deg{}, inclination_deg{};  // root mean squares
+    double worst_inclination_deg{};
+    std::size_t count{}, not_finite{};
+};
+
+/// The data set's own score [Laidig et al. 2021]: over samples of the movement phase with a valid
+/// reference, e = estimate * conj(reference) in the world frame; total = 2 acos|e.w|, heading =
+/// 2 atan|e.z / e.w|, inclination = 2 acos sqrt(e.w^2 + e.z^2). Only times in [from_s, to_s).
+Score score(const Recording& recording, const std::vector<Pose>& estimate, double from_s = -1e9,
+            double to_s = 1e9);
+
+/// Start of the movement phase, s from the recording's start.
+double movement_start_s(const Recording& recording);
+
+/// Estimates as `t_ns,qw,qx,qy,qz` with 9 significant digits, and back.
+std::string to_estimate_csv(const std::vector<Pose>& estimate);
+std::vector<Pose> parse_estimate_csv(const std::string& text, const std::string& name);
+
+}  // namespace fairlead::sim
