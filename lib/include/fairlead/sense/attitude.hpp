@@ -211,7 +211,7 @@ class BasicAttitude {
     /// Flags that change with the Kalman step, and the end of an orientation that is lost.
     void judge() noexcept {
         const auto sq = [](float x) { return static_cast<Real>(x * x); };
-        constexpr float lost = 0.6f;  // rad: beyond it a linear filter is worse than a new start
+        constexpr float lost = 0.8f;  // rad: beyond it a linear filter is worse than a new start
         bool settled = tilt_variance() <= sq(params_.settled_tilt);
         std::uint32_t flags = s_.flags & ~(flag::settling | flag::mag_rejected);
         if constexpr (has_field) {

@@ -1,0 +1,203 @@
+// The fits recover what was simulated, within stated bounds, and refuse what they cannot know.
+#include "fairlead/sense/calibrate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fairlead/sense/calibrate_accel.hpp"
+#include "fairlead/sense/calibrate_gyro.hpp"
+#include "fairlead/sense/calibrate_mag.hpp"
+#include "host_sim/random.hpp"
+
+namespace {
+
+using namespace fairlead;
+using sim::Random;
+
+Vec3 noise(Random& random, double sigma) {
+    return {static_cast<float>(sigma * random.normal()),
+            static_cast<float>(sigma * random.normal()),
+            static_cast<float>(sigma * random.normal())};
+}
+Vec3 direction(Random& random) {
+    const Vec3 v = noise(random, 1);
+    return (1 / norm(v)) * v;
+}
+void expect_near(const Vec3& a, const Vec3& b, float bound) { EXPECT_LT(norm(a - b), bound); }
+
+TEST(Calibration, DefaultChangesNothing) {
+    Sample s;
+    s.t_ns = 7;
+    s.gyro_rad_s = {1, 2, 3};
+    s.accel_m_s2 = {4, 5, 6};
+    s.mag_uT = {7, 8, 9};
+    s.flags = flag::clipped;
+    const Sample out = Calibrator{}(s);
+    EXPECT_EQ(out.t_ns, 7);
+    EXPECT_EQ(out.flags, s.flags);
+    expect_near(out.gyro_rad_s, s.gyro_rad_s, 1e-6f);
+    expect_near(out.mag_uT, s.mag_uT, 1e-6f);
+}
+
+TEST(Calibration, CorrectsThenMounts) {
+    Calibration c;
+    c.gyro.offset = {0.1f, 0, 0};
+    c.gyro_offset_per_K = {0.01f, 0, 0};
+    c.temperature_C = 20;
+    c.q_bs = from_rotation_vector(Vec3{0, 0, pi_v<float> / 2});
+    Sample s;
+    s.gyro_rad_s = {1.15f, 0, 0};
+    const Sample out = Calibrator{c}(s, 25);
+    expect_near(out.gyro_rad_s, {0, 1, 0}, 1e-6f);
+}
+
+TEST(Calibration, SurvivesStorageAndRefusesDamage) {
+    Calibration c;
+    c.mag.offset = {1, -2, 3};
+    auto saved = save(c);
+    ASSERT_TRUE(restore(saved));
+    EXPECT_EQ((*restore(saved)).mag.offset.y, -2);
+    saved.value.mag.offset.y = -2.0001f;
+    EXPECT_EQ(restore(saved).status(), Status::bad_data);
+}
+
+TEST(GyroBiasFit, FindsBiasAndNoise) {
+    Random random{1};
+    GyroBiasFit fit;
+    const Vec3 bias{0.01f, -0.02f, 0.005f};
+    constexpr double sigma = 0.003, dt = 0.005;
+    for (int i = 0; i < 300; ++i) fit.push(bias + noise(random, sigma), static_cast<float>(dt));
+    EXPECT_EQ(fit.result().status(), Status::not_enough_data);
+    for (int i = 0; i < 1700; ++i) fit.push(bias + noise(random, sigma), static_cast<float>(dt));
+    const auto r = fit.result();
+    ASSERT_TRUE(r);
+    expect_near(r->bias_rad_s, bias, 5 * r->uncertainty);
+    EXPECT_NEAR(r->uncertainty, sigma / std::sqrt(2000), 1e-5);
+    EXPECT_NEAR(r->noise_rad_s, sigma, 0.1 * sigma);
+    EXPECT_NEAR(r->random_walk, sigma * std::sqrt(dt), 0.1 * sigma * std::sqrt(dt));
+}
+
+TEST(GyroBiasFit, RefusesMotion) {
+    GyroBiasFit fit;
+    for (int i = 0; i < 1000; ++i)
+        fit.push({0.2f * std::sin(0.01f * static_cast<float>(i)), 0, 0}, 0.005f);
+    EXPECT_EQ(fit.result().status(), Status::bad_data);
+}
+
+TEST(GyroTemperatureFit, FindsTheLine) {
+    Random random{2};
+    GyroTemperatureFit fit;
+    const Vec3 at25{0.01f, -0.02f, 0.005f}, per_K{2e-4f, -1e-4f, 5e-5f};
+    fit.push(at25, 25);
+    fit.push(at25 + 2.0f * per_K, 27);
+    EXPECT_EQ(fit.result().status(), Status::not_enough_data);
+    for (int i = 0; i < 30; ++i) {
+        const float t = 15 + static_cast<float>(i);
+        fit.push(at25 + (t - 25) * per_K + noise(random, 2e-5), t);
+    }
+    const auto r = fit.result();
+    ASSERT_TRUE(r);
+    expect_near(r->per_K, per_K, 4e-6f);
+    expect_near(r->bias_rad_s + (25 - r->temperature_C) * r->per_K, at25, 3e-5f);
+    EXPECT_LT(r->residual_rad_s, 6e-5f);
+}
+
+TEST(GyroTurnFit, FindsScaleFromAKnownTurn) {
+    GyroTurnFit fit;
+    for (int i = 0; i < 1000; ++i) fit.push({0.001f, 0, 0.97f * 2 * pi_v<float> / 5}, 0.005f);
+    const auto r = fit.result(2, 2 * pi_v<float>);
+    ASSERT_TRUE(r);
+    EXPECT_NEAR(r->factor, 1 / 0.97, 1e-3);
+    EXPECT_EQ(fit.result(0, 1).status(), Status::not_enough_data);
+    GyroTurnFit crooked;
+    for (int i = 0; i < 500; ++i) crooked.push({0.6f, 0, 0.9f}, 0.005f);
+    EXPECT_EQ(crooked.result(2, 2.25f).status(), Status::bad_data);
+}
+
+TEST(AccelFit, RecoversOffsetScaleAndMisalignment) {
+    Random random{3};
+    const Matrix3<float> a{{1.02f, 0.01f, -0.005f}, {0.004f, 0.98f, 0.012f}, {0.0f, -0.01f, 1.01f}};
+    const Vec3 offset{0.3f, -0.2f, 0.15f};
+    AccelFit fit;
+    for (int face = 0; face < 6; ++face) {
+        EXPECT_EQ(fit.result().status(), Status::not_enough_data);
+        const float g = face % 2 == 0 ? 9.80665f : -9.80665f;
+        const Vec3 truth{face / 2 == 0 ? g : 0, face / 2 == 1 ? g : 0, face / 2 == 2 ? g : 0};
+        for (int i = 0; i < 200; ++i) fit.push(a * truth + offset + noise(random, 0.02));
+    }
+    const auto r = fit.result();
+    ASSERT_TRUE(r);
+    expect_near(r->correction.offset, offset, 0.005f);
+    EXPECT_LT(r->residual_m_s2, 0.005f);
+    for (int i = 0; i < 100; ++i) {  // and in every other direction
+        const Vec3 truth = 9.80665f * direction(random);
+        expect_near(r->correction(a * truth + offset), truth, 0.01f);
+    }
+}
+
+TEST(AccelFit, RefusesWhatIsNoFace) {
+    AccelFit fit;
+    EXPECT_FALSE(fit.push({7, 7, 0}));
+    EXPECT_FALSE(fit.push({20, 0, 0}));
+    Random random{4};
+    for (int face = 0; face < 6; ++face) {
+        const float g = face % 2 == 0 ? 9.8f : -9.8f;
+        const Vec3 truth{face / 2 == 0 ? g : 0, face / 2 == 1 ? g : 0, face / 2 == 2 ? g : 0};
+        for (int i = 0; i < 100; ++i) fit.push(truth + noise(random, 0.6));
+    }
+    EXPECT_EQ(fit.result().status(), Status::bad_data) << "it was shaken";
+}
+
+struct Magnet {
+    Matrix3<float> soft{{1.15f, 0.06f, -0.03f}, {0.06f, 0.9f, 0.04f}, {-0.03f, 0.04f, 1.0f}};
+    Vec3 hard{35, -60, 12};
+    float field_uT{48};
+};
+
+TEST(MagFit, RecoversHardAndSoftIron) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        Random random{seed};
+        const Magnet m;
+        MagFit fit;
+        for (int i = 0; i < 600; ++i)
+            fit.push(m.soft * (m.field_uT * direction(random)) + m.hard + noise(random, 0.4));
+        const auto r = fit.result();
+        ASSERT_TRUE(r) << "seed " << seed;
+        expect_near(r->correction.offset, m.hard, 0.3f);
+        EXPECT_LT(r->residual, 0.015f);
+        EXPECT_LT(r->offset_error_uT, 0.2f);
+        for (int i = 0; i < 50; ++i) {  // the corrected direction is the true one
+            const Vec3 d = direction(random);
+            const Vec3 c = r->correction(m.soft * (m.field_uT * d) + m.hard);
+            EXPECT_LT(norm((1 / norm(c)) * c - d), 0.02f) << "seed " << seed;
+        }
+    }
+}
+
+TEST(MagFit, RefusesPoorCoverage) {
+    Random random{6};
+    const Magnet m;
+    MagFit few, flat, cap;
+    for (int i = 0; i < 500; ++i) {
+        Vec3 d = direction(random);
+        if (i < 50) few.push(m.field_uT * d + m.hard);
+        cap.push(m.field_uT * ((1 / norm(d + Vec3{3, 0, 0})) * (d + Vec3{3, 0, 0})) + m.hard +
+                 noise(random, 0.4));
+        d.z = 0;
+        flat.push((m.field_uT / norm(d)) * d + m.hard + noise(random, 0.4));
+    }
+    EXPECT_EQ(few.result().status(), Status::not_enough_data);
+    EXPECT_FALSE(flat.result());
+    EXPECT_FALSE(cap.result());
+}
+
+TEST(MagFit, RefusesWhatIsNoEllipsoid) {
+    Random random{7};
+    MagFit fit;
+    for (int i = 0; i < 500; ++i)
+        fit.push(20.0f * (1 + std::abs(noise(random, 1).x)) * direction(random));
+    EXPECT_FALSE(fit.result());
+}
+
+}  // namespace
