@@ -211,7 +211,7 @@ test-strain: setup-build setup-reference ## hold fixed-lag strain smoothing to t
 # ---- Cortex-M and RISC-V under an emulator: rules in tests/target/target.mk, guides docs/bounds.md, docs/target.md
 TARGET = $(MAKE) -s -f tests/target/target.mk
 CORE  ?= m4f
-.PHONY: target-test target-soak bounds size must-fail
+.PHONY: target-test target-soak bounds size firmware-run must-fail
 target-test: setup-target ## the same bits on every core, exact counts, BOUNDS.md, heap, stack and firmware checks
 	@$(TARGET) calibrate same-bits bounds search-trap firmware firmware-run recordings
 target-soak: setup-target ## all recordings on all cores, and a longer search for dear streams
@@ -220,6 +220,8 @@ bounds: setup-target ## check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=hea
 	@$(TARGET) $(if $(CONFIG),user CORES=$(CORE),bounds)
 size: setup-target ## flash, RAM and stack of the firmware example, and its linker map
 	@$(TARGET) firmware
+firmware-run: setup-target ## run the firmware example under QEMU and decode what its UART sent
+	@$(TARGET) firmware-run
 must-fail: setup-target ## plant five faults in copies of the tree: the target checks must catch each
 	@tests/must_fail/plantings.py
 
@@ -237,6 +239,25 @@ attitude-table: setup-build setup-reference ## measure orientation on all record
 attitude-day: setup-build setup-reference ## a day of recordings on end: float beside double, covariance positive throughout
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-attitude
 	$(BUILD)/bench-attitude day $(RECORDINGS)
+
+# ---- packages: install for pkg-config and CMake, and the folder that the Arduino tools want
+PREFIX   ?= /usr/local
+INCLUDED := $(DESTDIR)$(PREFIX)/include
+SHARED   := $(DESTDIR)$(PREFIX)/share
+.PHONY: install uninstall arduino test-packages
+install:         ## install the headers, fairlead.pc and the CMake package (PREFIX=/usr/local, DESTDIR=)
+	install -d $(INCLUDED) $(SHARED)/pkgconfig $(SHARED)/cmake
+	cp -R lib/include/fairlead $(INCLUDED)/
+	install -m 644 lib/fairlead.pc $(SHARED)/pkgconfig/
+	install -d $(SHARED)/cmake/fairlead && install -m 644 lib/cmake/*.cmake $(SHARED)/cmake/fairlead/
+uninstall:       ## remove what install put there
+	rm -rf $(INCLUDED)/fairlead $(SHARED)/cmake/fairlead $(SHARED)/pkgconfig/fairlead.pc
+arduino:         ## lay the library out for the Arduino tools, in build/arduino/fairlead
+	@rm -rf $(BUILD)/arduino && mkdir -p $(BUILD)/arduino/fairlead/src
+	@cp -R lib/include/fairlead $(BUILD)/arduino/fairlead/src/ && cp lib/library.properties LICENSE $(BUILD)/arduino/fairlead/
+	@printf '#pragma once\n#include "fairlead/pipeline.hpp"\n' >$(BUILD)/arduino/fairlead/src/fairlead.h
+test-packages: setup-packages arduino ## use the installed library from outside, and check every manifest
+	@tests/packages/check.py
 
 .PHONY: clean
 clean:           ## remove everything that was built

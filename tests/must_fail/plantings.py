@@ -14,7 +14,7 @@ QUAT = "lib/include/fairlead/math/quat.hpp"
 # name, file, pattern, replacement, what the failure must say
 PLANTINGS = [
     ("heap allocation", QUAT, r"(inline BasicVec3<R> log\(.*?\{\n)",
-     r"\1    static R* volatile kept = nullptr;\n    kept = new R{q.w};\n", r"_sbrk|heap:"),
+     r"\1    static R* volatile kept = new R{};\n    *kept = q.w;\n", r"_sbrk|heap:"),
     ("libm sinf", QUAT, r"s = sc\.sin / n;", r"s = static_cast<R>(__builtin_sinf(static_cast<float>(n))) / n;",
      r"C library: libm"),
     ("fused multiply-add", "tests/target/target.mk", r"-ffp-contract=off", r"-ffp-contract=fast", r"fused multiply-add: vfm"),
@@ -22,7 +22,7 @@ PLANTINGS = [
      r"template <class R>\n[[gnu::noinline]] R planted(R x) {\n    return x > 4 ? planted(x / 2) + 1 : x;\n}\n"
      r"\1\2planted(n) / planted(n) * \3", r"recursion: "),
     ("ten per cent more instructions", QUAT, r"(inline BasicVec3<R> log\(.*?\{\n)",
-     r"\1    for (int i = 0; i < 20; ++i) __asm__ volatile(\"nop\");\n", r"worst found is \d+, committed \d+"),
+     r'\1    __asm__ volatile(".rept 14\\nnop\\n.endr");\n', r"worst found is \d+, committed \d+"),
 ]
 
 

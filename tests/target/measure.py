@@ -125,20 +125,22 @@ def measure(core, subject, build, words, out):
     """What was seen on a core, and what is wrong with it."""
     stem = "%s/%s/%s" % (build, core.name, subject)
     image = elf.Image(stem + ".elf", core.prefix)
+    facts, broken = static_facts(stem, core, image)
+    if broken:
+        return {}, broken
     graph = paths.Graph(image, image.address["subject_push"])
     with open(out + ".heads", "w") as file:
         file.writelines("%x\n" % a for a in [graph.root] + graph.heads)
     core.run(stem + ".elf", build, run_words(words, out), out + ".counts", out + ".heads")
-    facts, streams = read_report(out + ".report")
+    seen, streams = read_report(out + ".report")
     counts = read_words(out + ".counts")
     if len(counts) != len(read_words(out + ".digests")):
         return {}, ["%d calls were counted" % len(counts)]
-    result = {"core": core.name, "subject": subject, **facts, "streams": streams, **count_summary(streams, counts)}
+    result = {"core": core.name, "subject": subject, **seen, **facts, "streams": streams,
+              **count_summary(streams, counts)}
     caps = {int(a, 16): int(n) for a, n in (line.split() for line in open(out + ".heads"))}
     result["push"]["bound"] = graph.bound(caps, out) + 1  # the call itself
-    facts, broken = static_facts(stem, core, image)
-    result.update(facts)
-    if "stack_bound" in facts and result["stack"] > facts["stack_bound"]:
+    if result["stack"] > facts["stack_bound"]:
         broken.append("stack: %d bytes were used, the bound is %d" % (result["stack"], facts["stack_bound"]))
     if result["push"]["max"] > result["push"]["bound"]:
         broken.append("a push took %d instructions, the bound is %d" % (result["push"]["max"], result["push"]["bound"]))

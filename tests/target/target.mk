@@ -88,8 +88,9 @@ EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(co
 .PHONY: images measure calibrate same-bits bounds search-trap
 calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
 	tests/target/calibrate.py $(BUILD) $(EMULATED)
-bounds: measure
-	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(EMULATED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
+BOUNDED := $(filter m%,$(CORES))
+bounds: $(foreach core,$(BOUNDED),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
+	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(BOUNDED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
 # a user's own configuration: CONFIG=header CORES=core, perhaps RECORDING=file BUDGET=instructions
 user: $(CORES:%=$(BUILD)/%/user.elf) $(CORES:%=$(BUILD)/%/user.bare.elf) $(CORES:%=$(BUILD)/%/none.bare.elf) $(BUILD)/count.so
 	tests/target/user.py --build $(BUILD) --core $(CORES) $(if $(RECORDING),--recording $(RECORDING)) $(if $(BUDGET),--budget $(BUDGET))
