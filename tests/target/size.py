@@ -1,16 +1,30 @@
 #!/usr/bin/env python3
 """Does the firmware fit? Flash and static RAM from the image, the deepest stack by walking its code: main() and, on top of
-it, the interrupt, each with what the core itself saves. Fails above the limits."""
+it, the interrupt, each with what the core itself saves. Fails above the limits, and where the README tells other figures."""
 import argparse
+import re
 import sys
 
 import elf
+
+
+def readme(path, sentence, accept):
+    """What is wrong with the sentence of figures in the README; writes it instead where asked to."""
+    text = open(path).read()
+    told = re.sub(r"^On a Cortex-M4F it takes .*$", sentence, text, flags=re.M)
+    if accept:
+        open(path, "w").write(told)
+    elif told != text or sentence not in text:
+        return ["%s is stale: run make size ACCEPT=1" % path]
+    return []
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flash-max", type=int, default=48 * 1024)
     parser.add_argument("--ram-max", type=int, default=16 * 1024)
+    parser.add_argument("--readme", required=True)
+    parser.add_argument("--accept", action="store_true", help="write the figures into the README")
     parser.add_argument("image")
     options = parser.parse_args()
     image = elf.Image(options.image, "arm-none-eabi-")
@@ -22,7 +36,10 @@ def main():
     stack = start_up + max(image.bound(image.address[r])[0] for r in roots) + saved + image.bound(image.address[interrupt])[0]
     ram = static + stack
     broken = elf.problems(image, options.image + ".map", roots + [interrupt])
-    print("firmware on Cortex-M4F: flash %d bytes, RAM %d bytes (static %d, stack at most %d)" % (flash, ram, static, stack))
+    figures = tuple(format(n, ",") for n in (flash, ram, static, stack))
+    print("firmware on Cortex-M4F: flash %s bytes, RAM %s bytes (static %s, stack at most %s)" % figures)
+    broken += readme(options.readme, "On a Cortex-M4F it takes %s bytes of flash and %s bytes of RAM: %s static, %s of stack "
+                     "at most." % figures, options.accept)
     for name, value, limit in (("flash", flash, options.flash_max), ("RAM", ram, options.ram_max)):
         if value > limit:
             broken.append("%s is %d bytes, the limit is %d" % (name, value, limit))

@@ -72,7 +72,7 @@ $(FIRMWARE)/check_frames: $(wildcard examples/firmware/*) $(shell find lib -name
 	g++ $(COMMON) -O2 examples/firmware/check_frames.cpp -o $@
 .PHONY: firmware firmware-run
 firmware: $(FIRMWARE)/firmware.elf
-	tests/target/size.py $<
+	tests/target/size.py --readme examples/firmware/README.md $(if $(ACCEPT),--accept) $<
 firmware-run: $(FIRMWARE)/firmware.elf $(FIRMWARE)/check_frames
 	timeout 120 qemu-system-arm -M mps2-an386 -icount shift=3,sleep=off -nographic -monitor none -serial file:$(FIRMWARE)/frames.bin \
 		-semihosting-config enable=on,target=native -kernel $<

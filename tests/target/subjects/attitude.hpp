@@ -3,7 +3,8 @@
 #include "tests/target/subject.hpp"
 
 struct Subject {
-    static constexpr const char* text = "BasicAttitude<float>: gyro, accelerometer and magnetometer";
+    static constexpr const char* text =
+        "BasicAttitude<float>: gyro, accelerometer and magnetometer";
     static constexpr unsigned latency = 0;
     static constexpr bool takes_samples = true;
     static constexpr bool takes_anything = false;
