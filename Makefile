@@ -35,11 +35,12 @@ $(BUILD)/tests/unit: $(call objects,$(UNIT_SOURCES)) $(BUILD)/libsim.a
 # ---- the host simulator: a program, and its parts as an archive for the tests
 SIM_SOURCES := $(filter-out host_sim/sim.cpp, \
                  $(sort $(wildcard host_sim/*.cpp host_sim/commands/*.cpp host_sim/models/*.cpp \
-                                  host_sim/report/*.cpp)))
+                                  host_sim/report/*.cpp host_sim/experiments/*.cpp \
+                                  host_sim/baselines/filters/*.cpp)))
 $(BUILD)/libsim.a: $(call objects,$(SIM_SOURCES))
 	@rm -f $@ && $(AR) rcs $@ $^
-$(BUILD)/fairlead-sim: $(call objects,host_sim/sim.cpp) $(BUILD)/libsim.a
-	$(CXX) $(HOST) $^ -o $@
+$(BUILD)/fairlead-sim: $(call objects,host_sim/sim.cpp) $(BUILD)/libsim.a $(BUILD)/libpeers.a
+	$(CXX) $(HOST) -Wl,--start-group $^ -Wl,--end-group -lz -o $@
 
 .PHONY: sim
 sim: setup-build ## build the host simulator, build/fairlead-sim

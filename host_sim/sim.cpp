@@ -14,6 +14,8 @@ constexpr int exit_ok = 0, exit_bad_data = 1, exit_usage = 2;
 void add_commands(CLI::App& app) {  // one line each
     fairlead::sim::add_allan(app);
     fairlead::sim::add_attitude(app);
+    fairlead::sim::add_compare(app);
+    fairlead::sim::add_experiment(app);
     fairlead::sim::add_faults(app);
     fairlead::sim::add_generate(app);
     fairlead::sim::add_info(app);

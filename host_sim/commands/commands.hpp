@@ -8,6 +8,8 @@ namespace fairlead::sim {
 
 void add_allan(CLI::App& app);
 void add_attitude(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_experiment(CLI::App& app);
 void add_faults(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_info(CLI::App& app);

@@ -38,14 +38,15 @@ Quat GlobalLogFilter::orientation() {
 }
 
 Quat CumulativeFilter::orientation() {
-    if (!started_) {
-        started_ = true;
-        return out_ = window_[taps_.size() - 1].q_wb;
+    const std::size_t n = taps_.size();
+    if (steps_.empty()) {
+        steps_.assign(n, Vec3{});
+        return out_ = window_[n - 1].q_wb;
     }
-    Vec3 step{};  // the filtered step into the newest sample; steps before the first are zero
-    for (std::size_t i = 1; i < taps_.size(); ++i)
-        step += taps_[i] * log(conj(window_[i - 1].q_wb) * window_[i].q_wb);
-    step += taps_[0] * log(conj(window_[0].q_wb) * window_[1].q_wb);
+    steps_.pop_front();
+    steps_.push_back(n > 1 ? log(conj(window_[n - 2].q_wb) * window_[n - 1].q_wb) : Vec3{});
+    Vec3 step{};
+    for (std::size_t i = 0; i < n; ++i) step += taps_[i] * steps_[i];
     return out_ = normalised(out_ * exp(step));
 }
 

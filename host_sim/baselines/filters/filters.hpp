@@ -19,9 +19,9 @@
 
 namespace fairlead::sim {
 
-class PoseFilter {
+class CausalFilter {
   public:
-    virtual ~PoseFilter() = default;
+    virtual ~CausalFilter() = default;
     virtual Pose push(const Pose& pose) = 0;
     /// Records between the newest input and the one that the output stands for.
     virtual std::size_t latency() const { return 0; }
@@ -43,7 +43,7 @@ class MaskWindow {
 
 /// taps: oldest first, sum 1. centre: the tap that the output stands for; taps.size() - 1 is
 /// causal.
-class MaskBaseline : public PoseFilter {
+class MaskBaseline : public CausalFilter {
   public:
     MaskBaseline(std::vector<float> taps, std::size_t centre)
         : taps_{std::move(taps)}, centre_{centre}, window_{taps_.size()} {}
@@ -68,7 +68,7 @@ class GlobalLogFilter final : public MaskBaseline {
 class CumulativeFilter final : public MaskBaseline {
     using MaskBaseline::MaskBaseline;
     Quat orientation() override;
-    bool started_{false};
+    std::deque<Vec3> steps_;  // half-angle steps into the newest samples
     Quat out_{};
 };
 class CasteljauFilter final : public MaskBaseline {
@@ -79,7 +79,7 @@ class CasteljauFilter final : public MaskBaseline {
     Quat orientation() override;
 };
 
-class ExponentialFilter final : public PoseFilter {
+class ExponentialFilter final : public CausalFilter {
   public:
     explicit ExponentialFilter(float part) : part_{part} {}
     Pose push(const Pose& pose) override;
@@ -93,7 +93,7 @@ class ExponentialFilter final : public PoseFilter {
 struct OneEuroParams {
     float cutoff_min_hz{1}, speed_gain{0}, speed_cutoff_hz{1};
 };
-class OneEuroFilter final : public PoseFilter {
+class OneEuroFilter final : public CausalFilter {
   public:
     /// speed_gain of positions in Hz per m/s, of orientations in Hz per rad/s.
     OneEuroFilter(const OneEuroParams& position, const OneEuroParams& orientation)

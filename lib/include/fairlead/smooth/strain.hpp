@@ -9,8 +9,8 @@
 // change is lost. strain_lag() says how large Lag must be for that to be below 2e-6 m and 1e-5 rad.
 // A whole recording at once: smooth/strain_buffer.hpp.
 //
-// The samples of a channel are the records in which it is valid; up to Lag records without one
-// are bridged (time steps may be uneven), gap flags start a segment anew. Scaling the positions
+// The samples of a channel are the records in which it is valid; records without one are
+// bridged (time steps may be uneven), gap flags start a segment anew. Scaling the positions
 // scales the result, moving and turning the frame moves and turns it.
 //
 // In:   records in order of time, unit q_wb, neighbours closer than pi.
@@ -31,7 +31,8 @@ namespace fairlead {
 
 namespace detail {
 
-/// The positions of the records inside the lag.
+/// The positions of the records inside the lag. The newest sample stays when it has left already,
+/// for the next one to continue from: Lag may be 0, and a channel lost for long is bridged.
 template <std::size_t Lag>
 class StrainPositionTrack {
     using Position = StrainPosition<float>;
@@ -41,13 +42,14 @@ class StrainPositionTrack {
 
     void gap() noexcept { anew_ = true; }
     void push(const Vec3& y, std::int64_t t_ns) noexcept {
-        if (anew_ || nodes_.empty()) {
+        if (anew_) {
             nodes_.push(Position::start(y));
         } else {
             const float step = nominal_steps(newest_ns_, t_ns, weight_.step_s());
             nodes_.push(Position::next(nodes_[nodes_.size() - 1], y, step, weight_.lambda()));
         }
-        anew_ = false;
+        if (left_) nodes_.pop();
+        anew_ = left_ = false;
         newest_ns_ = t_ns;
     }
     /// The oldest sample, smoothed with what is known now.
@@ -56,23 +58,25 @@ class StrainPositionTrack {
         auto state = Position::last(nodes_[i]);
         for (; i > 0; --i) state = Position::back(nodes_[i - 1], nodes_[i], state);
         const Vec3 p = nodes_.oldest().y + state.u;
-        if (nodes_.size() == 1) anew_ = true;
-        nodes_.pop();
+        left_ = nodes_.size() == 1;
+        if (!left_) nodes_.pop();
         return p;
     }
     void clear() noexcept {
         nodes_.clear();
+        left_ = false;
         anew_ = true;
     }
 
   private:
-    Ring<Position::Node, Lag + 1> nodes_{};
+    Ring<Position::Node, Lag + 2> nodes_{};
     StrainWeight weight_;
     std::int64_t newest_ns_{0};
     bool anew_{true};
+    bool left_{false};
 };
 
-/// The orientations of the records inside the lag.
+/// The orientations of the records inside the lag; the newest stays, as above.
 template <std::size_t Lag>
 class StrainOrientationTrack {
     using Orientation = StrainOrientation<float>;
@@ -83,18 +87,20 @@ class StrainOrientationTrack {
 
     void gap() noexcept { anew_ = true; }
     void push(const Quat& q, std::int64_t t_ns) noexcept {
-        if (anew_ || nodes_.empty()) {
+        if (anew_) {
             nodes_.push(Orientation::node(q, nullptr, 1));
         } else {
             const float step = nominal_steps(newest_ns_, t_ns, weight_.step_s());
             nodes_.push(Orientation::node(q, &nodes_[nodes_.size() - 1], step));
         }
-        anew_ = false;
+        if (left_) drop();
+        anew_ = left_ = false;
         newest_ns_ = t_ns;
     }
     /// One round of steps over all that is known. Each push and each flush does one, so that the
     /// newest sample, which came as it was measured, settles while the older ones leave.
     void solve() noexcept {
+        if (left_) return;
         for (std::size_t i = 0; i < nodes_.size();) {
             const std::size_t end = segment_end(nodes_, i, nodes_.size());
             const auto at = [ this, i ](std::size_t j) -> auto& { return nodes_[i + j]; };
@@ -104,29 +110,35 @@ class StrainOrientationTrack {
         }
     }
     Quat take() noexcept {
-        const auto leaving = nodes_.oldest();
-        nodes_.pop();
-        if (nodes_.empty()) anew_ = true;
-        if (nodes_.empty() || nodes_.oldest().first) {
-            prior_ = {};
-        } else {
-            prior_ = Orientation::hand_over(leaving, nodes_.oldest(), weight_.lambda(), prior_);
-        }
-        return same_side(leaving.raw, leaving.now);
+        const Quat q = same_side(nodes_.oldest().raw, nodes_.oldest().now);
+        left_ = nodes_.size() == 1;
+        if (!left_) drop();
+        return q;
     }
     void clear() noexcept {
         nodes_.clear();
         prior_ = {};
+        left_ = false;
         anew_ = true;
     }
 
   private:
-    Ring<Orientation::Node, Lag + 1> nodes_{};
+    /// Drops the oldest sample; what it and those before it say goes on to the next.
+    void drop() noexcept {
+        const auto leaving = nodes_.oldest();
+        nodes_.pop();
+        prior_ = nodes_.oldest().first
+                     ? typename Orientation::Prior{}
+                     : Orientation::hand_over(leaving, nodes_.oldest(), weight_.lambda(), prior_);
+    }
+
+    Ring<Orientation::Node, Lag + 2> nodes_{};
     Orientation::Prior prior_{};
     StrainWeight weight_;
     std::size_t steps_;
     std::int64_t newest_ns_{0};
     bool anew_{true};
+    bool left_{false};
 };
 
 }  // namespace detail

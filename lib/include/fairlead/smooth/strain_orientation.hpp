@@ -118,7 +118,7 @@ class StrainOrientation {
                            const Prior& prior) noexcept {
         Prior out;
         Node passed = leaving;  // its gains are of no more use
-        out.cost = onwards(arrival(leaving, prior), passed, head, lambda);
+        out.cost = onwards(arrival(leaving, prior), passed, head, lead_of(head), lambda);
         out.at = head.now;
         out.rate = head.rate;
         out.any = true;
@@ -150,8 +150,9 @@ class StrainOrientation {
     }
 
     /// From the cost at `node` to that at `next`, without next's measurement. Leaves the gains of
-    /// the backward pass in `node` and the lead in `next` untouched but for reading.
-    static Cost onwards(const Cost& cost, Node& node, const Node& next, Real lambda) noexcept {
+    /// the backward pass in `node`.
+    static Cost onwards(const Cost& cost, Node& node, const Node& next, const M& lead,
+                        Real lambda) noexcept {
         Cost out;
         if (node.first) {
             out.a = cost.a;
@@ -170,7 +171,6 @@ class StrainOrientation {
             out.p = cost.p + gain * (weight * bend - cost.q);
             out.q = weight * (inv * (cost.c * bend + cost.q));
         }
-        const M& lead = next.lead;
         const M lead_t = transposed(lead), b_t = transposed(out.b);
         out.b = out.b - out.a * lead;
         out.c =
@@ -201,7 +201,7 @@ class StrainOrientation {
         Cost cost = arrival(at(0), prior);
         for (std::size_t i = 1; i < n; ++i) {
             at(i).lead = lead_of(at(i));
-            cost = measured(onwards(cost, at(i - 1), at(i), lambda), at(i));
+            cost = measured(onwards(cost, at(i - 1), at(i), at(i).lead, lambda), at(i));
         }
         Node& newest = at(n - 1);
         last(newest, cost);

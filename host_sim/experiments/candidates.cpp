@@ -1,0 +1,138 @@
+#include "host_sim/experiments/candidates.hpp"
+
+#include <cmath>
+
+#include "fairlead/smooth/filter.hpp"
+#include "fairlead/smooth/strain.hpp"
+#include "host_sim/experiments/plot.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+/// A stage of the library as a causal filter: what it emits at a push; the pose itself until then.
+template <class Stage>
+class StageFilter final : public CausalFilter {
+  public:
+    template <class... Arguments>
+    explicit StageFilter(const Arguments&... arguments) : stage_{arguments...} {}
+    Pose push(const Pose& pose) override {
+        const auto out = stage_.push(pose);
+        return out ? *out : pose;
+    }
+
+  private:
+    Stage stage_;
+};
+
+constexpr std::size_t settings = 24;
+
+/// Setting i of `settings`, evenly over the logarithm.
+double between(double low, double high, std::size_t i) {
+    return low * std::pow(high / low, static_cast<double>(i) / (settings - 1));
+}
+
+class List {
+  public:
+    explicit List(double step_s) : step_s_{step_s} {}
+
+    template <class Make>
+    void add(const std::string& family, const std::string& setting, bool ours, Make make) {
+        all_.push_back({family, setting, ours, make});
+    }
+
+    template <std::size_t Lag>
+    void strain() {
+        const auto family = "strain, lag " + std::to_string(Lag);
+        const double highest = 0.45 / step_s_, lowest = 0.0081 / step_s_;
+        for (std::size_t i = 0; i < settings; ++i) {
+            const double hz = between(lowest, highest, i);
+            const auto params =
+                StrainParams::from_cutoff(static_cast<float>(hz), static_cast<float>(step_s_), 1);
+            add(family, formatted("%.2f Hz", hz), true,
+                [p = *params] { return std::make_unique<StageFilter<StrainSmoother<Lag>>>(p); });
+        }
+    }
+
+    void masks() {
+        constexpr std::size_t taps_max = 129;
+        using Mask = AnyMask<taps_max>;
+        using Stage = StageFilter<AnyPoseFilter<taps_max>>;
+        const auto mask = [this](const std::string& family, std::size_t n, const Mask& m) {
+            add(family, std::to_string(n) + " taps", true,
+                [m] { return std::make_unique<Stage>(m); });
+        };
+        for (std::size_t i = 0; i < settings; ++i)
+            mask("binomial mask", 3 + 2 * i, *Mask::binomial(3 + 2 * i));
+        for (const std::size_t degree : {1u, 2u}) {
+            for (const std::size_t lag : {0u, 1u, 2u, 3u, 4u, 6u}) {
+                const auto family = "polynomial mask, degree " + std::to_string(degree) + ", lag " +
+                                    std::to_string(lag);
+                for (std::size_t n = 2 * lag + degree + 2; n < 2 * lag + 2 + 2 * settings; n += 2)
+                    mask(family, n, *Mask::savitzky_golay(n, degree, n - 1 - lag));
+            }
+        }
+    }
+
+    void rivals() {
+        for (std::size_t i = 0; i < settings; ++i) {
+            const std::size_t n = 2 + i, odd = 3 + 2 * i;
+            const auto part = static_cast<float>(between(0.02, 0.95, i));
+            const auto taps = std::to_string(n) + " taps";
+            const auto weight = formatted("share %.3f", static_cast<double>(part));
+            add("component mean", taps, false,
+                [n] { return std::make_unique<ComponentFilter>(average_taps(n), n - 1); });
+            add("component exponential", weight, false, [part] {
+                return std::make_unique<ComponentFilter>(exponential_taps(128, part), 127);
+            });
+            add("component binomial", std::to_string(odd) + " taps", false,
+                [odd] { return std::make_unique<ComponentFilter>(binomial_taps(odd), odd / 2); });
+            add("global log mean", taps, false,
+                [n] { return std::make_unique<GlobalLogFilter>(average_taps(n), n - 1); });
+            add("cumulative mean", taps, false,
+                [n] { return std::make_unique<CumulativeFilter>(average_taps(n), n - 1); });
+            if (i < 20)
+                add("slerp de Casteljau", std::to_string(odd) + " taps", false,
+                    [odd] { return std::make_unique<CasteljauFilter>(odd); });
+            add("exponential slerp", weight, false,
+                [part] { return std::make_unique<ExponentialFilter>(part); });
+        }
+        for (const double hz : {0.3, 0.6, 1.0, 1.7, 3.0, 5.0, 8.0}) {
+            for (const double gain : {0.0, 0.3, 1.0, 3.0, 10.0}) {
+                const auto one = [hz](double g) {
+                    return OneEuroParams{static_cast<float>(hz), static_cast<float>(g), 1};
+                };
+                add("One Euro", formatted("%.1f Hz, gain %.1f", hz, gain), false,
+                    [p = one(4 * gain), q = one(gain)] {
+                        return std::make_unique<OneEuroFilter>(p, q);
+                    });
+            }
+        }
+    }
+
+    std::vector<Candidate> take() { return std::move(all_); }
+
+  private:
+    double step_s_;
+    std::vector<Candidate> all_;
+};
+
+}  // namespace
+
+std::vector<Candidate> candidates(double step_s) {
+    List list{step_s};
+    list.strain<0>();
+    list.strain<1>();
+    list.strain<2>();
+    list.strain<3>();
+    list.strain<4>();
+    list.strain<5>();
+    list.strain<6>();
+    list.strain<7>();
+    list.strain<8>();
+    list.strain<12>();
+    list.masks();
+    list.rivals();
+    return list.take();
+}
+
+}  // namespace fairlead::sim

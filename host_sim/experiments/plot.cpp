@@ -1,0 +1,108 @@
+#include "host_sim/experiments/plot.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "host_sim/stream.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+std::string quoted(std::string text) {
+    std::replace(text.begin(), text.end(), '"', '\'');
+    return '"' + text + '"';
+}
+
+const char* style_of(Curve::Style style) {
+    switch (style) {
+        case Curve::Style::line: return "lines";
+        case Curve::Style::points: return "points";
+        case Curve::Style::both: return "linespoints";
+    }
+    return "lines";
+}
+
+std::string script(const std::string& path, const std::vector<Panel>& panels, int width,
+                   int height) {
+    std::string s = "set terminal svg noenhanced background 'white' font 'sans,11' size " +
+                    std::to_string(width) + "," +
+                    std::to_string(height * static_cast<int>(panels.size())) + "\nset output " +
+                    quoted(path) + "\nset grid lc rgb '#dddddd'\n" +
+                    "set key outside right top\nset pointsize 0.5\nset multiplot layout " +
+                    std::to_string(panels.size()) + ",1\n";
+    std::size_t block = 0;
+    for (const auto& panel : panels) {
+        for (const auto& series : panel.series) {
+            s += "$d" + std::to_string(block++) + " << EOD\n";
+            for (const auto& [x, y] : series.points)
+                s += formatted("%.7g", x) + ' ' + formatted("%.7g", y) + '\n';
+            s += "EOD\n";
+        }
+    }
+    block = 0;
+    for (const auto& panel : panels) {
+        s += "set title " + quoted(panel.title) + "\nset xlabel " + quoted(panel.x_label) +
+             "\nset ylabel " + quoted(panel.y_label) + '\n';
+        s += std::string(panel.log_x ? "set" : "unset") + " logscale x\n";
+        s += std::string(panel.log_y ? "set" : "unset") + " logscale y\n";
+        s += panel.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
+        std::string plots;
+        for (const auto& series : panel.series) {
+            if (!plots.empty()) plots += ", ";
+            plots += "$d" + std::to_string(block++) + " with " + style_of(series.style) +
+                     " title " + quoted(series.name);
+        }
+        s += "plot " + plots + '\n';
+    }
+    return s + "unset multiplot\n";
+}
+
+}  // namespace
+
+void write_plot(const std::string& path, const std::vector<Panel>& panels, int width,
+                int height_per_panel) {
+    const std::string text = script(path, panels, width, height_per_panel);
+    std::FILE* pipe = popen("gnuplot", "w");
+    if (!pipe) throw BadData("cannot start gnuplot");
+    std::fwrite(text.data(), 1, text.size(), pipe);
+    if (pclose(pipe) != 0)
+        throw BadData("gnuplot could not draw " + path + " (Debian package gnuplot-nox)");
+}
+
+std::string Table::text() const {
+    std::vector<std::size_t> width;
+    for (const auto& row : rows_) {
+        width.resize(std::max(width.size(), row.size()), 1);
+        for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
+    }
+    std::string out;
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+        for (std::size_t i = 0; i < rows_[r].size(); ++i)
+            out += "| " + rows_[r][i] + std::string(width[i] - rows_[r][i].size() + 1, ' ');
+        out += "|\n";
+        if (r > 0) continue;
+        for (const auto w : width) out += "|" + std::string(w + 2, '-');
+        out += "|\n";
+    }
+    return out;
+}
+
+std::string formatted(const char* pattern, double value) {
+    char text[512];
+    std::snprintf(text, sizeof text, pattern, value);
+    return text;
+}
+std::string formatted(const char* pattern, double a, double b) {
+    char text[512];
+    std::snprintf(text, sizeof text, pattern, a, b);
+    return text;
+}
+
+void make_folder(const std::string& path) {
+    std::error_code error;
+    std::filesystem::create_directories(path, error);
+    if (error) throw BadData("cannot create " + path + ": " + error.message());
+}
+
+}  // namespace fairlead::sim
