@@ -204,6 +204,10 @@ bench-smooth: setup-build setup-bench ## time strain smoothing beside gradient d
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-smooth
 	$(BUILD)/bench-smooth
 
+.PHONY: experiments
+experiments: setup-demo sim ## rerun the papers' experiments: rewrites the tables and plots of docs/experiments
+	$(BUILD)/fairlead-sim experiment all --out docs/experiments
+
 .PHONY: test-strain
 test-strain: setup-build setup-reference ## hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/tests/strain

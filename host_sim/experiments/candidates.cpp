@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "fairlead/smooth/adaptive.hpp"
 #include "fairlead/smooth/filter.hpp"
 #include "fairlead/smooth/strain.hpp"
 #include "host_sim/experiments/plot.hpp"
@@ -43,9 +44,11 @@ class List {
     template <std::size_t Lag>
     void strain() {
         const auto family = "strain, lag " + std::to_string(Lag);
-        const double highest = 0.45 / step_s_, lowest = 0.0081 / step_s_;
-        for (std::size_t i = 0; i < settings; ++i) {
-            const double hz = between(lowest, highest, i);
+        // dense where hands move and filters work: 0.0125 to 0.2 cycles a sample
+        constexpr std::size_t dense = 32;
+        for (std::size_t i = 0; i < dense; ++i) {
+            const double part = static_cast<double>(i) / (dense - 1);
+            const double hz = 0.0125 / step_s_ * std::pow(16, part);
             const auto params =
                 StrainParams::from_cutoff(static_cast<float>(hz), static_cast<float>(step_s_), 1);
             add(family, formatted("%.2f Hz", hz), true,
@@ -67,8 +70,19 @@ class List {
             for (const std::size_t lag : {0u, 1u, 2u, 3u, 4u, 6u}) {
                 const auto family = "polynomial mask, degree " + std::to_string(degree) + ", lag " +
                                     std::to_string(lag);
-                for (std::size_t n = 2 * lag + degree + 2; n < 2 * lag + 2 + 2 * settings; n += 2)
+                for (std::size_t n = 2 * lag + degree + 2; n < 2 * lag + 2 + 2 * settings; n += 3)
                     mask(family, n, *Mask::savitzky_golay(n, degree, n - 1 - lag));
+            }
+        }
+    }
+
+    void adaptive() {
+        for (const double hz : {0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0}) {
+            for (const double slope : {0.0, 0.3, 0.6, 1.2, 2.5}) {
+                const AdaptiveParams q{static_cast<float>(hz), static_cast<float>(slope)};
+                const AdaptiveParams p{static_cast<float>(hz), static_cast<float>(6 * slope)};
+                add("adaptive", formatted("%.1f Hz, slope %.1f", hz, slope), true,
+                    [q, p] { return std::make_unique<StageFilter<AdaptivePoseFilter>>(q, p); });
             }
         }
     }
@@ -131,6 +145,7 @@ std::vector<Candidate> candidates(double step_s) {
     list.strain<8>();
     list.strain<12>();
     list.masks();
+    list.adaptive();
     list.rivals();
     return list.take();
 }

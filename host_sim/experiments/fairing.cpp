@@ -146,7 +146,9 @@ std::string run_fairing_experiment(const std::string& folder) {
     return "# Motion fairing [Lee & Shin 1996]\n\nA cubic B-spline motion in a cube of 400 mm, "
            "100 samples, perturbed below 10 mm and 0.1 rad on S^3 (figures 2, 3), 20 mm and 0.2 "
            "rad (figures 4 to 8).\n\n" +
-           figures_2_and_3(folder) + "\n" + figures_4_to_8(folder) + "\n" + timed();
+           figures_2_and_3(folder) + "\n![Errors over the rounds](fairing_error.svg)\n\n" +
+           figures_4_to_8(folder) +
+           "\n![Accelerations before and after](fairing_acceleration.svg)\n\n" + timed();
 }
 
 }  // namespace fairlead::sim

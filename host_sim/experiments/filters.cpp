@@ -186,8 +186,10 @@ std::string figure_1(const std::string& folder) {
 }  // namespace
 
 std::string run_filters_experiment(const std::string& folder) {
-    return "# Orientation filters [Lee & Shin 2002]\n\n" + figure_4(folder) + "\n" +
-           figure_5(folder) + "\n" + figure_6() + "\n" + figure_1(folder);
+    return "# Orientation filters [Lee & Shin 2002]\n\n" + figure_4(folder) +
+           "\n![Repeated smoothing](filters_repeated.svg)\n\n" + figure_5(folder) +
+           "\n![Five passes](filters_five_times.svg)\n\n" + figure_6() + "\n" + figure_1(folder) +
+           "\n![Drift](filters_drift.svg)\n";
 }
 
 }  // namespace fairlead::sim

@@ -114,7 +114,8 @@ std::string run_strain_experiment(const std::string& folder) {
                    "weight of 100.") +
            finding("Robustness",
                    "the formulation does not loop for ever and is invariant to scale.",
-                   "no loop at all; one elimination for positions, eight steps for orientations.");
+                   "no loop at all; one elimination for positions, eight steps for orientations.") +
+           "\n![Before and after](strain.svg)\n";
 }
 
 }  // namespace fairlead::sim
