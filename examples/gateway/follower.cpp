@@ -22,9 +22,9 @@ CurveSpan span_of(const wire::Link<Decoder::Position>& link, std::uint32_t tick_
     out.t0_ns = link.curve.span.t0_ns;
     out.tick_ns = tick_ns;
     out.cover_ticks = link.cover_ticks;
-    out.c = Polynomial<3, 4>{link.curve.span}.c;
-    for (auto& power : out.c) {
-        for (std::size_t d = 0; d < 3; ++d) power[d] *= link.scale.unit(d);
+    const auto c = Polynomial<3, 4>{link.curve.span}.c;
+    for (std::size_t m = 0; m < c.size(); ++m) {
+        for (std::size_t d = 0; d < 3; ++d) out.c[m][d + 1] = c[m][d] * link.scale.unit(d);
     }
     return out;
 }
@@ -35,17 +35,15 @@ CurveSpan span_of(const wire::Link<Decoder::Orientation>& link, std::uint32_t ti
     out.t0_ns = link.curve.span.t0_ns;
     out.tick_ns = tick_ns;
     out.cover_ticks = link.cover_ticks;
-    out.c = Polynomial<3, 4>{link.curve.span}.c;
+    out.c = Polynomial<4, 4>{link.curve.span}.c;
     for (auto& power : out.c) {
         for (float& component : power) component *= link.scale.unit();
     }
-    out.anchor = link.curve.anchor_q;
     return out;
 }
 
 bool same_polynomial(const CurveSpan& a, const CurveSpan& b) noexcept {
-    return a.t0_ns == b.t0_ns && a.c == b.c && a.anchor.w == b.anchor.w &&
-           a.anchor.x == b.anchor.x && a.anchor.y == b.anchor.y && a.anchor.z == b.anchor.z;
+    return a.t0_ns == b.t0_ns && a.c == b.c;
 }
 
 }  // namespace

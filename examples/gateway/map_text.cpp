@@ -136,26 +136,26 @@ std::string map_markdown() {
         out += "| " + number(bit++) + " | " + number(status.bit) + " | `" + status.name + "` | " +
                status.text + " |\n";
     }
-    out +=
-        "\n## Pages\n\nHistory and events come in pages of " + number(reg::page_size) +
-        " registers, one request each. Page *k* of a channel stands at its first address + " +
-        number(reg::page_size) + " *k*. Span *n* stands in page (*n* / " +
-        number(reg::spans_per_page) + ") mod " + number(reg::history_pages) +
-        ", event *n* in page (*n* / " + number(reg::events_per_page) + ") mod " +
-        number(reg::event_pages) +
-        ". A page says itself to which run (`epoch`) and where in the sequence (`first`) it "
-        "belongs, "
-        "so no two requests need to agree. Every page begins with:\n\n" +
-        table_of(reg::page_fields, "offset") + "### A span\n\nAt offset " +
-        number(reg::page_header) + " + " + number(reg::span_size) +
-        " *i* of an orientation or position page. With u = (t - t0_ns) / tick_ns and "
-        "y = c0 + c1 u + c2 u^2 + c3 u^3, the position is y and the orientation is the quaternion "
-        "product anchor * (sqrt(1 - |y|^2 / 4), y / 2). The registers hold the floats with which "
-        "the "
-        "decoder itself computes: evaluated in float, the curve is the same bit for bit.\n\n" +
-        table_of(reg::span_fields, "offset") + "### An event\n\nAt offset " +
-        number(reg::page_header) + " + " + number(reg::event_size) + " *i* of an event page.\n\n" +
-        table_of(reg::event_fields, "offset");
+    out += "\n## Pages\n\nHistory and events come in pages of " + number(reg::page_size) +
+           " registers, one request each. Page *k* of a channel stands at its first address + " +
+           number(reg::page_size) + " *k*. Span *n* stands in page (*n* / " +
+           number(reg::spans_per_page) + ") mod " + number(reg::history_pages) +
+           ", event *n* in page (*n* / " + number(reg::events_per_page) + ") mod " +
+           number(reg::event_pages) +
+           ". A page says itself to which run (`epoch`) and where in the sequence (`first`) it "
+           "belongs, "
+           "so no two requests need to agree. Every page begins with:\n\n" +
+           table_of(reg::page_fields, "offset") + "### A span\n\nAt offset " +
+           number(reg::page_header) + " + " + number(reg::span_size) +
+           " *i* of an orientation or position page. With u = (t - t0_ns) / tick_ns and "
+           "y = c0 + c1 u + c2 u^2 + c3 u^3, the position is (x, y, z) of y and the orientation is "
+           "the "
+           "quaternion y taken to unit length. The registers hold the floats with which "
+           "the "
+           "decoder itself computes: evaluated in float, the curve is the same bit for bit.\n\n" +
+           table_of(reg::span_fields, "offset") + "### An event\n\nAt offset " +
+           number(reg::page_header) + " + " + number(reg::event_size) +
+           " *i* of an event page.\n\n" + table_of(reg::event_fields, "offset");
     out.pop_back();
     return out;
 }

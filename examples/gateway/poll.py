@@ -34,25 +34,18 @@ def read(address, count):
     return struct.pack(f">{count}H", *answer.registers)
 
 
-def product(a, b):
-    return (a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-            a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-            a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-            a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0])
-
-
 def orientation(span, t_ns, tick_ns):
-    t0_ns, _, c, anchor, _ = span
+    t0_ns, _, c, _ = span
     u = (t_ns - t0_ns) / tick_ns
-    y = [c[d] + u * (c[3 + d] + u * (c[6 + d] + u * c[9 + d])) for d in range(3)]
-    w = math.sqrt(1 - sum(v * v for v in y) / 4)
-    return product(anchor, (w, y[0] / 2, y[1] / 2, y[2] / 2))
+    q = [c[d] + u * (c[4 + d] + u * (c[8 + d] + u * c[12 + d])) for d in range(4)]
+    length = math.sqrt(sum(v * v for v in q))
+    return [v / length for v in q]
 
 
 def parse_span(page, i):
     at = 2 * (HEADER + SPAN * i)
-    values = struct.unpack_from(">qI12f4fH", page, at)
-    return values[0], values[1], values[2:14], values[14:18], values[18]
+    values = struct.unpack_from(">qI16fH", page, at)
+    return values[0], values[1], values[2:18], values[18]
 
 
 epoch, wanted = None, 0

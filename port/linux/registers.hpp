@@ -194,27 +194,27 @@ inline constexpr auto page_fields = rows({
 });
 
 /// With u = (t - t0_ns) / tick_ns and y = c0 + c1 u + c2 u^2 + c3 u^3:
-/// position: y; orientation: anchor * (sqrt(1 - |y|^2 / 4), y / 2).
+/// position: x y z of y; orientation: y at unit length.
 inline constexpr auto span_fields = rows({
     {0, Type::i64, "t0_ns", "ns", "its knot, on the source's clock"},
     {4, Type::u32, "cover_ticks", "",
      "valid for 0 <= u <= cover_ticks; grows while it is the newest"},
-    {6, Type::f32, "c0_x", "m or rad", "value at the knot"},
-    {8, Type::f32, "c0_y", "m or rad", ""},
-    {10, Type::f32, "c0_z", "m or rad", ""},
-    {12, Type::f32, "c1_x", "per tick", "first Taylor coefficient"},
-    {14, Type::f32, "c1_y", "per tick", ""},
-    {16, Type::f32, "c1_z", "per tick", ""},
-    {18, Type::f32, "c2_x", "per tick^2", "second Taylor coefficient"},
-    {20, Type::f32, "c2_y", "per tick^2", ""},
-    {22, Type::f32, "c2_z", "per tick^2", ""},
-    {24, Type::f32, "c3_x", "per tick^3", "third Taylor coefficient"},
-    {26, Type::f32, "c3_y", "per tick^3", ""},
-    {28, Type::f32, "c3_z", "per tick^3", ""},
-    {30, Type::f32, "anchor_w", "1", "orientation only; position: 1 0 0 0"},
-    {32, Type::f32, "anchor_x", "1", ""},
-    {34, Type::f32, "anchor_y", "1", ""},
-    {36, Type::f32, "anchor_z", "1", ""},
+    {6, Type::f32, "c0_w", "m or 1", "value at the knot; 0 for a position"},
+    {8, Type::f32, "c0_x", "m or 1", ""},
+    {10, Type::f32, "c0_y", "m or 1", ""},
+    {12, Type::f32, "c0_z", "m or 1", ""},
+    {14, Type::f32, "c1_w", "per tick", "first Taylor coefficient; 0 for a position"},
+    {16, Type::f32, "c1_x", "per tick", ""},
+    {18, Type::f32, "c1_y", "per tick", ""},
+    {20, Type::f32, "c1_z", "per tick", ""},
+    {22, Type::f32, "c2_w", "per tick^2", "second Taylor coefficient; 0 for a position"},
+    {24, Type::f32, "c2_x", "per tick^2", ""},
+    {26, Type::f32, "c2_y", "per tick^2", ""},
+    {28, Type::f32, "c2_z", "per tick^2", ""},
+    {30, Type::f32, "c3_w", "per tick^3", "third Taylor coefficient; 0 for a position"},
+    {32, Type::f32, "c3_x", "per tick^3", ""},
+    {34, Type::f32, "c3_y", "per tick^3", ""},
+    {36, Type::f32, "c3_z", "per tick^3", ""},
     {38, Type::u16, "flags", "bits", "1: joins no span before it; 2: its end belongs to the next"},
 });
 

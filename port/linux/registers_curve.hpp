@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "fairlead/base/types.hpp"
-#include "fairlead/reduce/chart.hpp"
+#include "fairlead/reduce/evaluate.hpp"
 #include "port/linux/registers.hpp"
 
 namespace fairlead::port {
@@ -19,8 +19,7 @@ struct CurveSpan {
     std::int64_t t0_ns{};
     std::uint32_t tick_ns{1};
     std::uint32_t cover_ticks{};
-    std::array<std::array<float, 3>, 4> c{};
-    Quat anchor{};
+    std::array<std::array<float, 4>, 4> c{};  // w x y z of each power; a position has no w
 
     std::int64_t t1_ns() const noexcept {
         return t0_ns + std::int64_t{cover_ticks} * std::int64_t{tick_ns};
@@ -32,7 +31,7 @@ struct CurveSpan {
 
 namespace curve {
 
-using Polynomial = fairlead::Polynomial<3, 4>;
+using Polynomial = fairlead::Polynomial<4, 4>;
 
 inline Polynomial polynomial(const CurveSpan& span) noexcept {
     Polynomial p;
@@ -44,29 +43,26 @@ inline float ticks(const CurveSpan& span, std::int64_t t_ns) noexcept {
 }
 inline Vec3 position(const CurveSpan& span, std::int64_t t_ns) noexcept {
     const auto y = polynomial(span)(ticks(span, t_ns));
-    return {y[0], y[1], y[2]};
+    return {y[1], y[2], y[3]};
 }
 inline Vec3 velocity_m_s(const CurveSpan& span, std::int64_t t_ns) noexcept {
     const auto y = polynomial(span).derivative(ticks(span, t_ns), 1);
     const float per_second = 1e9f / static_cast<float>(span.tick_ns);
-    return per_second * Vec3{y[0], y[1], y[2]};
+    return per_second * Vec3{y[1], y[2], y[3]};
 }
 inline Quat orientation(const CurveSpan& span, std::int64_t t_ns) noexcept {
-    return span.anchor * chart_point(polynomial(span)(ticks(span, t_ns)));
+    return OrientationChannel::value(polynomial(span)(ticks(span, t_ns)), {});
 }
-/// Body rate 2 vec(conj(q) dq/dt), with q = anchor * (w, v), v = y / 2, w^2 + v.v = 1.
+/// Body rate 2 vec(conj(p) dp/dt) / p.p of a quaternion polynomial p.
 inline Vec3 rate_rad_s(const CurveSpan& span, std::int64_t t_ns) noexcept {
     const float u = ticks(span, t_ns);
-    const Polynomial p = polynomial(span);
-    const auto y = p(u);
-    const auto y1 = p.derivative(u, 1);
-    const Vec3 v{y[0] / 2, y[1] / 2, y[2] / 2};
-    const Vec3 v1{y1[0] / 2, y1[1] / 2, y1[2] / 2};
-    const float rest = 1 - dot(v, v);
-    const float w = approx::sqrt(rest > 1e-6f ? rest : 1e-6f);
-    const float w1 = -dot(v, v1) / w;
-    const float per_second = 2e9f / static_cast<float>(span.tick_ns);
-    return per_second * (w * v1 - w1 * v - cross(v, v1));
+    const Polynomial polynomial_of_span = polynomial(span);
+    const auto y = polynomial_of_span(u);
+    const auto y1 = polynomial_of_span.derivative(u, 1);
+    const Quat p{y[0], y[1], y[2], y[3]}, p1{y1[0], y1[1], y1[2], y1[3]};
+    const float square = dot(p, p);
+    if (!(square > 0)) return {};
+    return 2e9f / (static_cast<float>(span.tick_ns) * square) * vec(conj(p) * p1);
 }
 
 }  // namespace curve
@@ -76,10 +72,8 @@ namespace registers {
 inline void put_span(std::uint16_t* at, const CurveSpan& span) noexcept {
     Writer writer{at, span_fields};
     writer.i64(span.t0_ns).u32(span.cover_ticks);
-    for (const auto& power : span.c) writer.f32(power[0]).f32(power[1]).f32(power[2]);
-    const Quat& a = span.anchor;
-    writer.f32(a.w).f32(a.x).f32(a.y).f32(a.z).u16((span.begins ? 1u : 0u) |
-                                                   (span.ends_open ? 2u : 0u));
+    for (const auto& power : span.c) writer.f32(power[0]).f32(power[1]).f32(power[2]).f32(power[3]);
+    writer.u16((span.begins ? 1u : 0u) | (span.ends_open ? 2u : 0u));
 }
 
 inline CurveSpan get_span(const std::uint16_t* at, CurveChannel channel,
@@ -96,9 +90,8 @@ inline CurveSpan get_span(const std::uint16_t* at, CurveChannel channel,
             value += 2;
         }
     }
-    span.anchor = {get_f32(value), get_f32(value + 2), get_f32(value + 4), get_f32(value + 6)};
-    span.begins = (value[8] & 1u) != 0;
-    span.ends_open = (value[8] & 2u) != 0;
+    span.begins = (value[0] & 1u) != 0;
+    span.ends_open = (value[0] & 2u) != 0;
     return span;
 }
 

@@ -153,9 +153,7 @@ TEST(Curve, APollerOfOnceASecondHasTheDecodersCurveBitForBit) {
         const auto& p = decoder->position();
         for (std::uint32_t u = 0; u <= o.cover_ticks; ++u) {
             const std::int64_t t = o.curve.span.t0_ns + std::int64_t{u} * period_ns;
-            const Polynomial<3, 4> y{o.curve.span};
-            const Quat q =
-                o.curve.value(y(ticks_between(o.curve.span.t0_ns, t, decoder->tick_ns())), o.scale);
+            const Quat q = value_at(o.curve, o.scale, decoder->tick_ns(), t);
             const CurveSpan* span = reader.covering(CurveChannel::orientation, t);
             ASSERT_NE(span, nullptr);
             const Quat got = port::curve::orientation(*span, t);
@@ -164,9 +162,7 @@ TEST(Curve, APollerOfOnceASecondHasTheDecodersCurveBitForBit) {
         }
         for (std::uint32_t u = 0; u <= p.cover_ticks; ++u) {
             const std::int64_t t = p.curve.span.t0_ns + std::int64_t{u} * period_ns;
-            const Polynomial<3, 4> y{p.curve.span};
-            const auto v =
-                p.curve.value(y(ticks_between(p.curve.span.t0_ns, t, decoder->tick_ns())), p.scale);
+            const auto v = value_at(p.curve, p.scale, decoder->tick_ns(), t);
             const CurveSpan* span = reader.covering(CurveChannel::position, t);
             ASSERT_NE(span, nullptr);
             const Vec3 got = port::curve::position(*span, t);

@@ -35,9 +35,8 @@ CurveSpan span_number(unsigned n, CurveChannel channel) {
     span.tick_ns = 100'000;
     span.cover_ticks = n + 1;
     for (unsigned m = 0; m < 4; ++m) {
-        for (unsigned d = 0; d < 3; ++d) span.c[m][d] = 0.1f * static_cast<float>(n + 10 * m + d);
+        for (unsigned d = 0; d < 4; ++d) span.c[m][d] = 0.1f * static_cast<float>(n + 10 * m + d);
     }
-    span.anchor = {0.5f, -0.5f, 0.5f, -0.5f};
     span.begins = n % 7 == 0;
     span.ends_open = n % 3 == 0;
     return span;
@@ -188,7 +187,6 @@ TEST_F(UnitTableTest, HistoryPagesSayWhereTheyBelongAndCarryEveryBit) {
         EXPECT_EQ(got.tick_ns, put.tick_ns);
         EXPECT_EQ(got.cover_ticks, put.cover_ticks);
         EXPECT_EQ(got.c, put.c);
-        EXPECT_EQ(got.anchor.z, put.anchor.z);
         EXPECT_EQ(got.begins, put.begins);
         EXPECT_EQ(got.ends_open, put.ends_open);
     }
