@@ -17,8 +17,8 @@ const char* const filter_help =
 
 namespace {
 
-using AMask = AnyMask<FilterChain::taps_max>;
-constexpr long taps_most = static_cast<long>(FilterChain::taps_max);
+using AMask = AnyMask<taps_max>;
+constexpr long taps_most = static_cast<long>(taps_max);
 
 std::size_t odd_size(const SpecItem& item) {
     const long n = item.whole(0, 1, taps_most);
@@ -43,7 +43,7 @@ AMask own_taps(const SpecItem& item) {
     } catch (const BadSpec& error) {
         item.refuse(error.what());
     }
-    if (taps.size() > FilterChain::taps_max) item.refuse("at most 257 taps");
+    if (taps.size() > taps_max) item.refuse("at most 257 taps");
     if (!(centre >= 0 && centre < static_cast<double>(taps.size())) ||
         static_cast<double>(static_cast<std::size_t>(centre)) != centre)
         item.refuse("the centre is the index of a tap, counted from 0");
@@ -79,38 +79,13 @@ AMask mask_of(const SpecItem& item) {
 
 }  // namespace
 
-FilterChain::FilterChain(const std::string& spec) {
-    if (spec.empty()) return;
-    for (const SpecItem& item : parse_spec(spec)) {
-        if (count_ == stages_max) throw BadSpec("'" + spec + "': at most 8 filters in a chain");
-        filters_[count_++] = Filter{mask_of(item)};
-    }
-}
-
-std::optional<Pose> FilterChain::carry(std::size_t stage, const Pose& pose) noexcept {
-    std::optional<Pose> out = pose;
-    for (; stage < count_ && out; ++stage) out = filters_[stage].push(*out);
-    return out;
-}
-
-std::optional<Pose> FilterChain::flush() noexcept {
-    for (; flushing_ < count_; ++flushing_) {
-        while (const auto tail = filters_[flushing_].flush())
-            if (const auto out = carry(flushing_ + 1, *tail)) return out;
-    }
-    flushing_ = 0;
-    return std::nullopt;
-}
-
-void FilterChain::reset() noexcept {
-    for (Filter& filter : filters_) filter.reset();
-    flushing_ = 0;
-}
-
-std::size_t FilterChain::delay() const noexcept {
-    std::size_t sum = 0;
-    for (std::size_t i = 0; i < count_; ++i) sum += filters_[i].delay();
-    return sum;
+FilterChain parse_filters(const std::string& spec) {
+    FilterChain chain;
+    if (spec.empty()) return chain;
+    for (const SpecItem& item : parse_spec(spec))
+        if (chain.append(AnyPoseFilter<taps_max>{mask_of(item)}) != Status::ok)
+            throw BadSpec("'" + spec + "': at most 8 filters in a chain");
+    return chain;
 }
 
 }  // namespace fairlead::sim

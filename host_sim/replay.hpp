@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fairlead/math/approx.hpp"
+#include "fairlead/sense/intake.hpp"
 #include "host_sim/stream.hpp"
 
 namespace fairlead::sim {
@@ -27,9 +28,10 @@ struct ChannelResult {
     std::size_t breaks{};           // knots of full multiplicity within a motion
     std::size_t bytes{};            // of the frames, or shares of frames, that carry it
     std::size_t violations{};       // samples outside tolerance, or without a curve: must be 0
-    double max_error{};             // m per axis, or rad: against the reducer's input
-    double max_raw{}, rms_raw{};    // distance to the raw samples, per axis or angle
-    std::uint32_t max_delay{};      // records
+    std::size_t changed{};        // samples whose curve changed after they were covered: must be 0
+    double max_error{};           // m per axis, or rad: against the reducer's input
+    double max_raw{}, rms_raw{};  // distance to the raw samples, per axis or angle
+    std::uint32_t max_delay{};    // records
     double mean_delay{}, max_delay_ms{};
     std::vector<std::int64_t> knot_ns;
     std::vector<double> error;         // one per record; NaN where the channel is not valid
@@ -41,14 +43,24 @@ struct Replay {
     ReplayOptions options;
     double seconds{};
     std::size_t records_in{}, bytes_in{};
-    std::vector<Pose> raw;                 // accepted by Intake
-    std::vector<Pose> input;               // what the reducer was given: raw, or filtered
-    std::vector<Pose> decoded;             // the curve of the stream at the times of `input`
-    std::string stream;                    // the emitted bytes
-    std::vector<std::size_t> stream_size;  // after each record
+    std::vector<Pose> raw;                        // accepted by Intake
+    std::vector<Pose> input;                      // what the reducer was given: raw, or filtered
+    std::vector<Pose> decoded;                    // the curve of the stream at the times of `input`
+    std::string stream;                           // the emitted bytes
+    std::vector<std::size_t> bytes_after_record;  // one per record in, before the flush
+    std::vector<std::size_t> bytes_after_input;   // one per pose of `input`
     ChannelResult position, orientation;
     std::vector<std::pair<std::string, std::size_t>> faults;  // by kind
     std::size_t filter_delay{};                               // records
 };
+
+/// The intake's parameters for a recording: a gap is 100 ms, or three periods of a slow recording.
+IntakeParams intake_params(const Recording& recording);
+
+inline constexpr std::uint32_t delay_most = 256;  // of --max-delay: the capacity of the rings
+
+/// Runs the recording's poses through the pipeline, with the heap sealed, then judges the bytes.
+/// Throws BadSpec (filter), BadData (an IMU alone).
+Replay replay(const Recording& recording, const ReplayOptions& options);
 
 }  // namespace fairlead::sim

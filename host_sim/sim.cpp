@@ -12,14 +12,18 @@ constexpr const char* version = "fairlead-sim 0.1.0";
 constexpr int exit_ok = 0, exit_bad_data = 1, exit_usage = 2;
 
 void add_commands(CLI::App& app) {  // one line each
-    fairlead::sim::add_allan(app);
+    fairlead::sim::add_replay(app);
+    fairlead::sim::add_reduce(app);
+    fairlead::sim::add_decode(app);
+    fairlead::sim::add_filter(app);
     fairlead::sim::add_attitude(app);
+    fairlead::sim::add_score(app);
+    fairlead::sim::add_allan(app);
     fairlead::sim::add_compare(app);
     fairlead::sim::add_experiment(app);
-    fairlead::sim::add_faults(app);
     fairlead::sim::add_generate(app);
+    fairlead::sim::add_faults(app);
     fairlead::sim::add_info(app);
-    fairlead::sim::add_score(app);
 }
 
 }  // namespace

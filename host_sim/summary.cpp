@@ -86,6 +86,21 @@ std::vector<Row> summary_rows(const Replay& replay) {
     return rows;
 }
 
+std::string summary_json(const Replay& replay) {
+    const auto channel = [](const char* name, const char* error, const ChannelResult& c) {
+        return text(", \"%s\": {\"control_points\": %zu, \"knots\": %zu, \"bytes\": %zu, ", name,
+                    c.control_points, c.knots, c.bytes) +
+               text("\"%s\": %.9g, \"max_delay_samples\": %u, \"mean_delay_samples\": %.9g}", error,
+                    c.max_error, c.max_delay, c.mean_delay);
+    };
+    std::string json =
+        text("{\"samples\": %zu, \"bytes\": %zu", replay.input.size(), replay.stream.size());
+    if (replay.options.position) json += channel("position", "max_error_m", replay.position);
+    if (replay.options.orientation)
+        json += channel("orientation", "max_error_rad", replay.orientation);
+    return json + "}\n";
+}
+
 std::string summary_table(const Replay& replay) {
     std::string out = text("%-24s %20s %20s\n", "", "position", "orientation");
     for (const Row& r : summary_rows(replay))

@@ -15,6 +15,9 @@ struct Row {
 std::vector<Row> summary_rows(const Replay& replay);
 std::string summary_table(const Replay& replay);  // plain text
 
+/// {"samples":, "bytes":, "position": {...}, "orientation": {...}}, the channels that are reduced.
+std::string summary_json(const Replay& replay);
+
 /// "none", or "3 not finite, 1 gap".
 std::string faults_text(const Replay& replay);
 

@@ -4,7 +4,10 @@
 #include <cstdio>
 #include <string>
 
+#include "host_sim/replay.hpp"
+#include "host_sim/spec.hpp"
 #include "host_sim/stream.hpp"
+#include "host_sim/writers.hpp"
 
 namespace fairlead::sim {
 
@@ -31,5 +34,35 @@ struct InputOptions {
         return recording;
     }
 };
+
+/// --tol-pos, --tol-rot, --max-delay. Without defaults the tolerances start as "not given", 0.
+inline void add_tolerances(CLI::App& command, ReplayOptions& options, bool must_be_given) {
+    if (must_be_given) options.tol_pos_m = options.tol_rot_rad = 0;
+    auto* position =
+        command.add_option("--tol-pos", options.tol_pos_m, "Tolerance of each position axis, m")
+            ->check(CLI::Range(1e-9, 1e6));
+    auto* rotation =
+        command
+            .add_option("--tol-rot", options.tol_rot_rad, "Tolerance of the rotation angle, rad")
+            ->check(CLI::Range(1e-5, 3.0));
+    if (!must_be_given) {
+        position->capture_default_str();
+        rotation->capture_default_str();
+    }
+    command
+        .add_option("--max-delay", options.delay_max,
+                    "Most records from a sample to the bytes that cover it")
+        ->check(CLI::Range(2u, delay_most))
+        ->capture_default_str();
+}
+
+/// The reduction promises a bound; should it ever not hold, that is an error.
+inline void check_guarantee(const Replay& result) {
+    for (const ChannelResult* channel : {&result.position, &result.orientation})
+        if (channel->violations > 0 || channel->changed > 0)
+            throw BadData(result.name + ": " + std::to_string(channel->violations) +
+                          " samples outside tolerance, " + std::to_string(channel->changed) +
+                          " changed after they were covered");
+}
 
 }  // namespace fairlead::sim

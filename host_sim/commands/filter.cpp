@@ -1,0 +1,50 @@
+// fairlead-sim filter IN --filter SPEC --out OUT.csv: intake and filter alone.
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "fairlead/sense/intake.hpp"
+#include "host_sim/commands/commands.hpp"
+#include "host_sim/commands/options.hpp"
+#include "host_sim/filter_chain.hpp"
+#include "host_sim/writers.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+struct Options {
+    InputOptions input;
+    std::string filter, out;
+};
+
+void run(const Options& options) {
+    const auto chain = std::make_unique<FilterChain>(parse_filters(options.filter));
+    const Recording recording = options.input.read();
+    Intake<Pose> intake{intake_params(recording)};
+    std::vector<Pose> filtered;
+    for (const Pose& raw : poses_of(recording)) {
+        const auto pose = intake.push(raw);
+        if (!pose) continue;
+        if (const auto out = chain->push(*pose)) filtered.push_back(*out);
+    }
+    while (const auto out = chain->flush()) filtered.push_back(*out);
+    write_bytes(options.out, to_poses_csv(filtered));
+    for (std::size_t i = 0; i < fault_kinds; ++i) {
+        const auto kind = static_cast<Fault>(i);
+        if (const auto n = intake.faults()[kind])
+            std::printf("%-24s %llu\n", to_string(kind), static_cast<unsigned long long>(n));
+    }
+}
+
+}  // namespace
+
+void add_filter(CLI::App& app) {
+    auto* command = app.add_subcommand("filter", "Filter a recording, and nothing else");
+    auto options = std::make_shared<Options>();
+    options->input.add_to(*command);
+    command->add_option("--filter", options->filter, "Filters, see below")->required();
+    command->add_option("--out", options->out, "Pose CSV to write")->required();
+    command->footer(filter_help);
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace fairlead::sim

@@ -1,0 +1,69 @@
+#include "host_sim/curve_store.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+template <class List, class Link>
+void follow(List& list, const Link& link, const Decoder::Update& update, std::uint32_t tick_ns) {
+    if (update.piece)
+        list.add({link.curve, link.scale, tick_ns, 0, update.begins, update.breaks},
+                 !update.begins && !update.rejoined);
+    list.cover(link.curve.span.t0_ns + std::int64_t{link.cover_ticks} * tick_ns);
+}
+
+}  // namespace
+
+void CurveStore::take_frame() {
+    Decoder::Update update;
+    while (decoder_.next(update)) {
+        if (update.channel == Decoder::Channel::position)
+            follow(position_, decoder_.position(), update, decoder_.tick_ns());
+        else
+            follow(orientation_, decoder_.orientation(), update, decoder_.tick_ns());
+    }
+}
+
+void CurveStore::note_damage() {
+    if (!damaged_at_ && (counters().damaged > 0 || counters().skipped_bytes > 0))
+        damaged_at_ = byte_count_;
+}
+
+void CurveStore::push(std::string_view bytes) {
+    for (const char byte : bytes) {
+        ++byte_count_;
+        for (bool frame = decoder_.push(static_cast<std::uint8_t>(byte)); frame;
+             frame = decoder_.more())
+            take_frame();
+        note_damage();
+    }
+}
+
+void CurveStore::finish() {
+    for (bool frame = decoder_.finish(); frame; frame = decoder_.more()) take_frame();
+    note_damage();
+}
+
+Pose CurveStore::at(std::int64_t t_ns) const {
+    Pose pose;
+    pose.t_ns = t_ns;
+    if (const auto p = position_.at(t_ns)) {
+        pose.p_w_m = {(*p)[0], (*p)[1], (*p)[2]};
+        pose.flags |= flag::position_valid;
+    }
+    if (const auto q = orientation_.at(t_ns)) {
+        pose.q_wb = *q;
+        pose.flags |= flag::orientation_valid;
+    }
+    return pose;
+}
+
+std::string CurveStore::damage() const {
+    const auto& c = counters();
+    if (c.frames == 0) return "byte 0: no frame of a fairlead stream";
+    if (!damaged_at_) return {};
+    return "damage noticed at byte " + std::to_string(*damaged_at_) + ": " +
+           std::to_string(c.damaged) + " place(s), " + std::to_string(c.skipped_bytes) +
+           " bytes passed over, " + std::to_string(c.lost_frames) + " frame(s) lost";
+}
+
+}  // namespace fairlead::sim

@@ -1,0 +1,109 @@
+#pragma once
+// The far end of the wire, on the host: takes the bytes of a stream in any portions, keeps every
+// piece of curve that the decoder tells of, and evaluates them at any time that is covered so far.
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fairlead/wire/decoder.hpp"
+
+namespace fairlead::sim {
+
+/// The pieces of one channel, in time.
+template <class Channel>
+class CurveList {
+  public:
+    using Value = typename Channel::Value;
+
+    struct Piece {
+        typename Channel::Curve curve{};
+        typename Channel::Scale scale{};
+        std::uint32_t tick_ns{1};
+        std::int64_t covered_ns{};  // final up to here
+        bool begins{}, breaks{};
+
+        std::int64_t t0_ns() const { return curve.span.t0_ns; }
+    };
+
+    /// joins: the piece goes on from the one before it, which is final up to the knot.
+    void add(const Piece& piece, bool joins) {
+        while (!pieces_.empty() && pieces_.back().t0_ns() >= piece.t0_ns()) {
+            joins = false;  // a decoder that lost its step has come back to what it knew
+            pieces_.pop_back();
+        }
+        if (joins && !pieces_.empty()) pieces_.back().covered_ns = piece.t0_ns();
+        pieces_.push_back(piece);
+        pieces_.back().covered_ns = piece.t0_ns();
+    }
+    void cover(std::int64_t t_ns) {
+        if (!pieces_.empty()) pieces_.back().covered_ns = t_ns;
+    }
+
+    std::optional<Value> at(std::int64_t t_ns) const {
+        const auto later = [](std::int64_t t, const Piece& p) { return t < p.t0_ns(); };
+        const auto next = std::upper_bound(pieces_.begin(), pieces_.end(), t_ns, later);
+        if (next == pieces_.begin()) return {};
+        const Piece& piece = *(next - 1);
+        if (t_ns > piece.covered_ns) return {};
+        const Polynomial<Channel::dimension, Channel::order> polynomial{piece.curve.span};
+        const float u = ticks_between(piece.t0_ns(), t_ns, piece.tick_ns);
+        return piece.curve.value(polynomial(u), piece.scale);
+    }
+
+    const std::vector<Piece>& pieces() const { return pieces_; }
+
+    /// Starts after a gap or at the beginning; a restart inside a motion is a knot.
+    std::size_t curves() const {
+        return count([](const Piece& p) { return p.begins && !p.breaks; });
+    }
+    std::size_t breaks() const {
+        return count([](const Piece& p) { return p.breaks; });
+    }
+    /// Interior knots with multiplicity: a break has that of the order.
+    std::size_t knots() const {
+        return count([](const Piece& p) { return !p.begins; }) + Channel::order * breaks();
+    }
+    std::size_t control_points() const { return Channel::order * curves() + knots(); }
+
+  private:
+    template <class Predicate>
+    std::size_t count(Predicate predicate) const {
+        return static_cast<std::size_t>(std::count_if(pieces_.begin(), pieces_.end(), predicate));
+    }
+
+    std::vector<Piece> pieces_;
+};
+
+class CurveStore {
+  public:
+    using Positions = CurveList<Decoder::Position>;
+    using Orientations = CurveList<Decoder::Orientation>;
+
+    void push(std::string_view bytes);
+    void finish();  // the input has ended
+
+    const Positions& position() const { return position_; }
+    const Orientations& orientation() const { return orientation_; }
+
+    /// Both curves at a time; the flags tell which of them there are.
+    Pose at(std::int64_t t_ns) const;
+
+    const Decoder::Counters& counters() const { return decoder_.counters(); }
+    /// Empty, or what is wrong with the stream and near which byte it was first noticed.
+    std::string damage() const;
+
+  private:
+    void take_frame();
+    void note_damage();
+
+    Decoder decoder_{};
+    Positions position_;
+    Orientations orientation_;
+    std::size_t byte_count_{0};
+    std::optional<std::size_t> damaged_at_;
+};
+
+}  // namespace fairlead::sim

@@ -1,0 +1,278 @@
+#include "host_sim/replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "fairlead/pipeline.hpp"
+#include "host_sim/curve_store.hpp"
+#include "host_sim/filter_chain.hpp"
+#include "host_sim/progress.hpp"
+#include "host_sim/seal.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+constexpr std::size_t record_bytes = 36;  // a pose in float32 with time and validity, as in a .trk
+
+/// The filter of the pipeline, with an ear on what goes in and out. Memory is reserved beforehand.
+struct TappedFilter {
+    FilterChain chain{};
+    std::vector<Pose>* in{nullptr};
+    std::vector<Pose>* out{nullptr};
+
+    std::optional<Pose> push(const Pose& pose) noexcept {
+        in->push_back(pose);
+        return noted(chain.push(pose));
+    }
+    std::optional<Pose> flush() noexcept { return noted(chain.flush()); }
+    void reset() noexcept { chain.reset(); }
+
+  private:
+    std::optional<Pose> noted(const std::optional<Pose>& pose) const noexcept {
+        if (pose) out->push_back(*pose);
+        return pose;
+    }
+};
+
+struct HostConfig : PipelineConfig {
+    using Filter = TappedFilter;
+    static constexpr std::size_t window = delay_most;
+};
+using HostPipeline = Pipeline<HostConfig>;
+
+/// A grid for the knots: half a period, and no coarser than the smallest step.
+std::uint32_t tick_for(const std::vector<Pose>& poses, double period_s) {
+    std::int64_t tick_ns = static_cast<std::int64_t>(period_s * 0.5e9);
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+        const std::int64_t step_ns = poses[i].t_ns - poses[i - 1].t_ns;
+        if (step_ns > 0) tick_ns = std::min(tick_ns, step_ns);
+    }
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(tick_ns, 1000, 1000000000));
+}
+
+HostPipeline::Params parameters(const Recording& recording, const ReplayOptions& options,
+                                Replay& result) {
+    HostPipeline::Params params;
+    params.intake = intake_params(recording);
+    params.filter.chain = parse_filters(options.filter);
+    params.filter.in = &result.raw;
+    params.filter.out = &result.input;
+    const auto tolerance = static_cast<float>(options.tol_pos_m);
+    params.encoder.tol_position_m = {tolerance, tolerance, tolerance};
+    params.encoder.tol_orientation_rad = static_cast<float>(options.tol_rot_rad);
+    params.encoder.tick_ns = tick_for(recording.poses, recording.period_s);
+    params.encoder.delay_max = options.delay_max;
+    params.encoder.position = options.position;
+    params.encoder.orientation = options.orientation;
+    return params;
+}
+
+/// Notes what the stream held when each pose of `input` had been taken.
+void take(const Bytes& bytes, Replay& result) {
+    const std::size_t before = result.stream.size();
+    result.stream.append(reinterpret_cast<const char*>(bytes.data), bytes.size);
+    auto& after = result.bytes_after_input;
+    if (after.size() == result.input.size()) return;  // the reducers' own flush
+    after.resize(result.input.size(), before);
+    after.back() = result.stream.size();
+}
+
+template <class Step>
+Bytes sealed(Step step) {
+    const HeapSeal seal;
+    return step();
+}
+
+void run(const Recording& recording, const ReplayOptions& options, Replay& result) {
+    const std::size_t n = recording.poses.size();
+    result.raw.reserve(n);
+    result.input.reserve(n);
+    const auto pipeline = std::make_unique<HostPipeline>(parameters(recording, options, result));
+    result.filter_delay = parse_filters(options.filter).delay();
+    Progress progress{"replay", n};
+    for (const Pose& pose : recording.poses) {
+        take(sealed([&] { return pipeline->push(pose); }), result);
+        result.bytes_after_record.push_back(result.stream.size());
+        progress.show(result.bytes_after_record.size());
+    }
+    for (;;) {
+        const Bytes bytes = sealed([&] { return pipeline->flush(); });
+        take(bytes, result);
+        if (bytes.empty()) break;
+    }
+    const FaultCounts& faults = pipeline->intake().faults();
+    for (std::size_t i = 0; i < fault_kinds; ++i) {
+        const auto kind = static_cast<Fault>(i);
+        result.faults.emplace_back(to_string(kind), static_cast<std::size_t>(faults[kind]));
+    }
+}
+
+double distance(const Vec3& a, const Vec3& b) {  // per axis, in double
+    const auto apart = [](float x, float y) {
+        return std::fabs(static_cast<double>(x) - static_cast<double>(y));
+    };
+    return std::max({apart(a.x, b.x), apart(a.y, b.y), apart(a.z, b.z)});
+}
+
+double distance(const Quat& a, const Quat& b) {  // full rotation angle, in double
+    const auto wide = [](const Quat& q) {
+        return BasicQuat<double>{static_cast<double>(q.w), static_cast<double>(q.x),
+                                 static_cast<double>(q.y), static_cast<double>(q.z)};
+    };
+    return rotation_angle(wide(a), wide(b));
+}
+
+/// How one channel is read from a pose.
+struct PositionView {
+    static constexpr std::uint32_t valid = flag::position_valid;
+    static const Vec3& of(const Pose& pose) { return pose.p_w_m; }
+    static bool same(const Pose& a, const Pose& b) {
+        return a.p_w_m.x == b.p_w_m.x && a.p_w_m.y == b.p_w_m.y && a.p_w_m.z == b.p_w_m.z;
+    }
+};
+struct OrientationView {
+    static constexpr std::uint32_t valid = flag::orientation_valid;
+    static const Quat& of(const Pose& pose) { return pose.q_wb; }
+    static bool same(const Pose& a, const Pose& b) {
+        return a.q_wb.w == b.q_wb.w && a.q_wb.x == b.q_wb.x && a.q_wb.y == b.q_wb.y &&
+               a.q_wb.z == b.q_wb.z;
+    }
+};
+
+/// Notes for each sample after which record the bytes so far let a decoder evaluate the curve
+/// there, and what it evaluated to.
+template <class View>
+class DelayMeter {
+  public:
+    DelayMeter(const Replay& replay, ChannelResult& channel) : replay_{replay}, channel_{channel} {
+        channel_.delay.assign(replay.input.size(), 0);
+        first_.resize(replay.input.size());
+    }
+
+    /// The store holds the bytes that were there after record `now`.
+    void look(const CurveStore& store, std::size_t now) {
+        for (; next_ <= now; ++next_) {
+            const Pose& sample = replay_.input[next_];
+            if ((sample.flags & View::valid) == 0) continue;
+            const Pose curve = store.at(sample.t_ns);
+            if ((curve.flags & View::valid) == 0) return;
+            first_[next_] = curve;
+            note(next_, now);
+        }
+    }
+
+    void finish(const CurveStore& store) {
+        look(store, replay_.input.size() - 1);
+        if (covered_ > 0) channel_.mean_delay = sum_ / static_cast<double>(covered_);
+        for (std::size_t i = 0; i < next_; ++i)
+            if ((first_[i].flags & View::valid) != 0 &&
+                !View::same(first_[i], store.at(first_[i].t_ns)))
+                ++channel_.changed;
+    }
+
+  private:
+    void note(std::size_t i, std::size_t now) {
+        const auto delay = static_cast<std::uint32_t>(now - i);
+        channel_.delay[i] = delay;
+        channel_.max_delay = std::max(channel_.max_delay, delay);
+        const double ms =
+            static_cast<double>(replay_.input[now].t_ns - replay_.input[i].t_ns) * 1e-6;
+        channel_.max_delay_ms = std::max(channel_.max_delay_ms, ms);
+        sum_ += delay;
+        ++covered_;
+    }
+
+    const Replay& replay_;
+    ChannelResult& channel_;
+    std::vector<Pose> first_;
+    std::size_t next_{0}, covered_{0};
+    double sum_{0};
+};
+
+template <class View>
+void judge(const Replay& replay, double tolerance, ChannelResult& channel) {
+    double raw2 = 0;
+    channel.error.assign(replay.input.size(), NAN);
+    for (std::size_t i = 0; i < replay.input.size(); ++i) {
+        const Pose &input = replay.input[i], &curve = replay.decoded[i];
+        if ((input.flags & View::valid) == 0) continue;
+        ++channel.samples;
+        if ((curve.flags & View::valid) == 0) {
+            ++channel.violations;
+            continue;
+        }
+        const double error = distance(View::of(curve), View::of(input));
+        const double raw = distance(View::of(curve), View::of(replay.raw[i]));
+        channel.error[i] = error;
+        if (!(error <= tolerance)) ++channel.violations;
+        channel.max_error = std::max(channel.max_error, error);
+        channel.max_raw = std::max(channel.max_raw, raw);
+        raw2 += raw * raw;
+    }
+    if (channel.samples > 0)
+        channel.rms_raw = std::sqrt(raw2 / static_cast<double>(channel.samples));
+}
+
+template <class List>
+void count(const List& list, ChannelResult& channel) {
+    channel.curves = list.curves();
+    channel.breaks = list.breaks();
+    channel.knots = list.knots();
+    channel.control_points = list.control_points();
+    for (const auto& piece : list.pieces()) channel.knot_ns.push_back(piece.t0_ns());
+}
+
+/// The stream as the far end sees it: portion by portion, then as a whole.
+void judge(Replay& result) {
+    const auto& o = result.options;
+    CurveStore store;
+    if (!result.input.empty()) {
+        DelayMeter<PositionView> position{result, result.position};
+        DelayMeter<OrientationView> orientation{result, result.orientation};
+        std::size_t fed = 0;
+        const auto feed = [&](std::size_t size) {
+            store.push(std::string_view(result.stream).substr(fed, size - fed));
+            fed = size;
+        };
+        for (std::size_t i = 0; i < result.input.size(); ++i) {
+            feed(result.bytes_after_input[i]);
+            if (o.position) position.look(store, i);
+            if (o.orientation) orientation.look(store, i);
+        }
+        feed(result.stream.size());
+        store.finish();
+        if (o.position) position.finish(store);
+        if (o.orientation) orientation.finish(store);
+    }
+    for (const Pose& pose : result.input) result.decoded.push_back(store.at(pose.t_ns));
+    if (o.position) judge<PositionView>(result, o.tol_pos_m, result.position);
+    if (o.orientation) judge<OrientationView>(result, o.tol_rot_rad, result.orientation);
+    count(store.position(), result.position);
+    count(store.orientation(), result.orientation);
+}
+
+}  // namespace
+
+IntakeParams intake_params(const Recording& recording) {
+    IntakeParams params;
+    const auto period_ns = static_cast<std::int64_t>(recording.period_s * 1e9);
+    params.gap_ns = std::max(params.gap_ns, 3 * period_ns);
+    return params;
+}
+
+Replay replay(const Recording& recording, const ReplayOptions& options) {
+    const auto& poses = poses_of(recording);
+    Replay result;
+    result.name = recording.name;
+    result.options = options;
+    result.records_in = poses.size();
+    result.bytes_in = record_bytes * poses.size();
+    result.seconds = static_cast<double>(poses.back().t_ns - poses.front().t_ns) * 1e-9;
+    run(recording, options, result);
+    judge(result);
+    return result;
+}
+
+}  // namespace fairlead::sim
