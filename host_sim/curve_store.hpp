@@ -22,35 +22,52 @@ class CurveList {
         typename Channel::Curve curve{};
         typename Channel::Scale scale{};
         std::uint32_t tick_ns{1};
-        std::int64_t covered_ns{};  // final up to here
         bool begins{}, breaks{};
+        bool joins{};                 // goes on from the piece before it
+        std::uint32_t cover_ticks{};  // final up to here, after its own knot
+        std::uint32_t next_ticks{};   // knot at which the next piece joins; 0: none yet
 
         std::int64_t t0_ns() const { return curve.span.t0_ns; }
+        float ticks(std::int64_t t_ns) const { return ticks_between(t0_ns(), t_ns, tick_ns); }
+        bool covers(std::int64_t t_ns) const {
+            return ticks(t_ns) <= static_cast<float>(cover_ticks);
+        }
+        /// In the very arithmetic of the encoder. What had been covered stays as it is: at a knot
+        /// on a covered sample the earlier piece is in charge.
+        bool is_final_at(std::int64_t t_ns) const {
+            return covers(t_ns) || ticks(t_ns) < static_cast<float>(next_ticks);
+        }
     };
 
-    /// joins: the piece goes on from the one before it, which is final up to the knot.
-    void add(const Piece& piece, bool joins) {
+    void add(Piece piece) {
         while (!pieces_.empty() && pieces_.back().t0_ns() >= piece.t0_ns()) {
-            joins = false;  // a decoder that lost its step has come back to what it knew
+            piece.joins = false;  // a decoder that lost its step has come back to what it knew
             pieces_.pop_back();
         }
-        if (joins && !pieces_.empty()) pieces_.back().covered_ns = piece.t0_ns();
+        piece.joins = piece.joins && !pieces_.empty();
+        if (piece.joins) {
+            const std::int64_t apart_ns = piece.t0_ns() - pieces_.back().t0_ns();
+            pieces_.back().next_ticks = static_cast<std::uint32_t>(apart_ns / piece.tick_ns);
+        }
         pieces_.push_back(piece);
-        pieces_.back().covered_ns = piece.t0_ns();
     }
-    void cover(std::int64_t t_ns) {
-        if (!pieces_.empty()) pieces_.back().covered_ns = t_ns;
+    void cover(std::uint32_t ticks) {
+        if (!pieces_.empty()) pieces_.back().cover_ticks = ticks;
     }
 
     std::optional<Value> at(std::int64_t t_ns) const {
+        // a knot may lie a rounding beyond t and yet be in charge: start one piece further
         const auto later = [](std::int64_t t, const Piece& p) { return t < p.t0_ns(); };
-        const auto next = std::upper_bound(pieces_.begin(), pieces_.end(), t_ns, later);
-        if (next == pieces_.begin()) return {};
-        const Piece& piece = *(next - 1);
-        if (t_ns > piece.covered_ns) return {};
-        const Polynomial<Channel::dimension, Channel::order> polynomial{piece.curve.span};
-        const float u = ticks_between(piece.t0_ns(), t_ns, piece.tick_ns);
-        return piece.curve.value(polynomial(u), piece.scale);
+        auto next = std::upper_bound(pieces_.begin(), pieces_.end(), t_ns, later);
+        if (next != pieces_.end() && next->joins) ++next;
+        for (; next != pieces_.begin(); --next) {
+            const Piece& piece = *(next - 1);
+            if (piece.joins && (next - 2)->is_final_at(t_ns)) continue;
+            if (!piece.is_final_at(t_ns)) return {};
+            const Polynomial<Channel::dimension, Channel::order> polynomial{piece.curve.span};
+            return piece.curve.value(polynomial(piece.ticks(t_ns)), piece.scale);
+        }
+        return {};
     }
 
     const std::vector<Piece>& pieces() const { return pieces_; }

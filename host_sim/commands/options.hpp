@@ -35,6 +35,18 @@ struct InputOptions {
     }
 };
 
+/// Like CLI::Range, but NaN is outside.
+inline CLI::Validator in_range(double low, double high) {
+    const auto check = [low, high](const std::string& text) -> std::string {
+        double value{};
+        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+        char why[96];
+        std::snprintf(why, sizeof why, "must be a number from %g to %g", low, high);
+        return why;
+    };
+    return CLI::Validator(check, "NUMBER");
+}
+
 /// --tol-pos, --tol-rot, --max-delay. Without defaults the tolerances start as "not given", 0.
 inline void add_tolerances(CLI::App& command, ReplayOptions& options, bool must_be_given) {
     if (must_be_given) options.tol_pos_m = options.tol_rot_rad = 0;
@@ -44,7 +56,7 @@ inline void add_tolerances(CLI::App& command, ReplayOptions& options, bool must_
     auto* rotation =
         command
             .add_option("--tol-rot", options.tol_rot_rad, "Tolerance of the rotation angle, rad")
-            ->check(CLI::Range(1e-5, 3.0));
+            ->check(in_range(1e-5, 3));
     if (!must_be_given) {
         position->capture_default_str();
         rotation->capture_default_str();

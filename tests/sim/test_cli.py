@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+"""The command line of fairlead-sim is a contract: names, columns, keys, exit codes."""
+import json
+import math
+
+from simulator import axis_distance, main, must, read_csv, read_trk, rotation_angle, run
+
+SPEC = "model:optical+rest:1+reach:0.8:3+gap:0.3+oscillate:2:2+lose:position:0.4+turn:1:9+rest:1"
+
+
+def generated(folder, name="in.trk", spec=SPEC):
+    path = folder / name
+    must("generate", spec, "--seed", 5, "--out", path)
+    return path
+
+
+def expect(code, *arguments, says=""):
+    got, out, err = run(*arguments)
+    assert got == code, f"exit {got}, not {code}: {arguments}: {out}{err}"
+    assert says in err + out, f"'{says}' is not in: {err}{out}"
+
+
+def test_help_and_version(_):
+    assert must("--version").startswith("fairlead-sim ")
+    names = must("--help")
+    for command in "replay reduce decode filter generate faults info".split():
+        assert command in names, command
+        assert "Usage: fairlead-sim " + command in must(command, "--help")
+
+
+def test_usage_errors_exit_2(folder):
+    trk = generated(folder)
+    out = folder / "x"
+    for arguments in (
+        [], ["nonsense"], ["replay"], ["replay", folder / "missing.trk"],
+        ["replay", trk, "--filter", "binomial:4"], ["replay", trk, "--filter", ""][:2] + ["--bad"],
+        ["replay", trk, "--max-delay", "0"], ["replay", trk, "--max-delay", "100000"],
+        ["replay", trk, "--tol-pos", "-1"], ["replay", trk, "--tol-rot", "nan"],
+        ["reduce", trk, "--out", out], ["reduce", trk, "--tol-pos", "1e-3", "--out", out],
+        ["reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "1e-2"],
+        ["reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "1e-2", "--channel", "left", "--out", out],
+        ["decode", trk], ["filter", trk, "--out", out],
+        ["filter", trk, "--filter", "median:3", "--out", out],
+        ["generate", "jog:1", "--out", out], ["generate", "rest:1", "--out", folder / "x.imu"],
+        ["faults", trk, "melt:1", "--out", folder / "x.trk"], ["info"],
+    ):
+        expect(2, *arguments)
+
+
+def test_bad_data_exits_1_with_the_place(folder):
+    trk = generated(folder)
+    data = trk.read_bytes()
+    cut = folder / "cut.trk"
+    cut.write_bytes(data[:64 + 36 * 100 + 7])
+    expect(1, "info", cut, says=f"byte {64 + 36 * 100}:")
+    expect(1, "replay", cut, says=f"byte {64 + 36 * 100}:")
+    expect(0, "info", cut, "--salvage", says="records          100")
+    expect(0, "replay", cut, "--salvage", says="100 records before it are used")
+    text = folder / "bad.csv"
+    text.write_text("1,0,0,0,1,0,0,0\n2,0,0,zero,1,0,0,0\n")
+    expect(1, "info", text, says="line 2: 'zero' is not a number")
+    empty = folder / "empty"
+    empty.write_bytes(b"")
+    expect(1, "info", empty, says="holds no records")
+    expect(1, "decode", empty, "--at", trk, "--out", folder / "x.csv", says="no frame")
+    expect(1, "replay", trk, "--out", "/proc/none", says="/proc/none")
+
+
+def test_an_imu_alone_needs_the_attitude_stage(folder):
+    imu = generated(folder, "in.imu", "model:lsm6dso+rest:1+turn:1")
+    for command in (["replay", imu], ["filter", imu, "--filter", "hs:1", "--out", folder / "x"],
+                    ["reduce", imu, "--tol-pos", 1, "--tol-rot", 1, "--out", folder / "x"]):
+        expect(1, *command, says="attitude stage")
+
+
+def test_generate_is_the_same_for_the_same_seed(folder):
+    a, b, c = folder / "a.trk", folder / "b.trk", folder / "c.trk"
+    for path, seed in ((a, 5), (b, 5), (c, 6)):
+        must("generate", SPEC, "--seed", seed, "--out", path, "--truth", folder / "truth.csv")
+    assert a.read_bytes() == b.read_bytes() != c.read_bytes()
+    for (t, p, q), (t_true, p_true, q_true, _) in zip(read_trk(c), read_csv(folder / "truth.csv")):
+        assert t == t_true
+        assert p is None or axis_distance(p, p_true) < 6e-4
+        assert q is None or rotation_angle(q, q_true) < math.radians(0.4)
+
+
+def test_reduce_json_trace_and_decode(folder):
+    trk = generated(folder)
+    records = read_trk(trk)
+    stream, trace, decoded = folder / "s.flr", folder / "t.csv", folder / "d.csv"
+    summary = json.loads(must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436",
+                              "--max-delay", 60, "--out", stream, "--json", "--trace", trace))
+    assert list(summary) == ["samples", "bytes", "position", "orientation"]
+    for channel, error in (("position", "max_error_m"), ("orientation", "max_error_rad")):
+        assert list(summary[channel]) == ["control_points", "knots", "bytes", error,
+                                          "max_delay_samples", "mean_delay_samples"]
+        assert summary[channel]["max_delay_samples"] <= 60
+        assert 0 < summary[channel]["control_points"] < len(records) / 4
+    assert summary["samples"] == len(records)
+    assert summary["bytes"] == stream.stat().st_size
+    assert summary["position"]["bytes"] + summary["orientation"]["bytes"] == summary["bytes"]
+    lines = trace.read_text().splitlines()
+    assert lines[0] == "index,t_ns,bytes" and len(lines) == len(records) + 1
+    rows = [list(map(int, line.split(","))) for line in lines[1:]]
+    assert [r[:2] for r in rows] == [[i, r[0]] for i, r in enumerate(records)]
+    assert all(a[2] <= b[2] for a, b in zip(rows, rows[1:])) and rows[-1][2] <= summary["bytes"]
+    must("decode", stream, "--at", trk, "--out", decoded)
+    worst_p = worst_q = 0
+    for (t, p, q), (t_d, p_d, q_d, _) in zip(records, read_csv(decoded), strict=True):
+        assert t == t_d
+        if p:
+            worst_p = max(worst_p, axis_distance(p, p_d))
+        if q:
+            worst_q = max(worst_q, rotation_angle(q, q_d))
+    assert worst_p <= 1e-3 and worst_q <= 0.00436
+    assert abs(worst_p - summary["position"]["max_error_m"]) < 1e-8
+    assert abs(worst_q - summary["orientation"]["max_error_rad"]) < 1e-7
+
+
+def test_reduce_of_one_channel(folder):
+    trk = generated(folder)
+    for channel, other in (("position", "orientation"), ("orientation", "position")):
+        summary = json.loads(must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436",
+                                  "--channel", channel, "--out", folder / "s.flr", "--json"))
+        assert channel in summary and other not in summary
+        assert summary[channel]["bytes"] == summary["bytes"]
+        must("decode", folder / "s.flr", "--at", trk, "--out", folder / "d.csv")
+        for _, p, q, row in read_csv(folder / "d.csv"):
+            assert (q if channel == "position" else p) is None, row
+    must("reduce", trk, "--tol-pos", "1e-3", "--channel", "position", "--out", folder / "s.flr")
+
+
+def test_filter_columns_and_constant_rate(folder):
+    rows = [f"{i * 10000000},{i * 0.5},1,0,{math.cos(i * 0.01)},0,{math.sin(i * 0.01)},0"
+            for i in range(50)]
+    source, out = folder / "in.csv", folder / "out.csv"
+    source.write_text("\n".join(rows) + "\n")
+    must("filter", source, "--filter", "binomial:9+csg:5:1", "--out", out)
+    records = read_csv(out)
+    assert len(records) == 50
+    for i, (t, p, q, row) in enumerate(records[10:-10], 10):  # a line and a constant turn stay
+        assert t == i * 10000000 and abs(p[0] - i * 0.5) < 1e-5 and p[1] == 1, row
+        assert rotation_angle(q, [math.cos(i * 0.01), 0, math.sin(i * 0.01), 0]) < 1e-5, row
+
+
+def test_replay_writes_its_folder(folder):
+    trk = generated(folder)
+    out = folder / "a" / "b"
+    table = must("replay", trk, "--filter", "binomial:5", "--out", out)
+    for word in ("records in", "faults", "control points", "largest error", "largest delay",
+                 "bytes in", "bytes out", "largest distance to raw", str(out / "report.html")):
+        assert word in table, word
+    tum = (out / "filtered.tum").read_text().splitlines()
+    both = sum(1 for _, p, q in read_trk(trk) if p and q)
+    assert len(tum) == both + 1 and all(len(line.split(" ")) == 8 for line in tum[1:])
+    must("decode", out / "stream.flr", "--at", out / "filtered.tum", "--out", folder / "d.csv")
+    assert (out / "report.html").stat().st_size > 10000
+
+
+def test_faults_are_counted_by_kind(folder):
+    trk = generated(folder)
+    bad = folder / "bad.trk"
+    must("faults", trk, "nan:3+spike:2+repeat:4+backward:2+gap:1:40", "--seed", 3, "--out", bad)
+    table = must("replay", bad)
+    for text in ("repeated time", "2 backward time", "gap", "not finite", "out of range"):
+        assert text in table, table
+
+
+def test_a_damaged_stream_is_noticed_and_decoded_on(folder):
+    trk = generated(folder, spec="model:optical+" + "+".join(["reach:0.5:8", "rest:1"] * 4))
+    stream, bad = folder / "s.flr", folder / "bad.flr"
+    must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436", "--out", stream)
+    must("decode", stream, "--at", trk, "--out", folder / "good.csv")
+    good = read_csv(folder / "good.csv")
+    data = bytearray(stream.read_bytes())
+    data[len(data) // 2] ^= 0x10
+    bad.write_bytes(data)
+    expect(1, "decode", bad, "--at", trk, "--out", folder / "bad.csv", says="damage noticed")
+    expect(0, "decode", bad, "--at", trk, "--salvage", "--out", folder / "bad.csv", says="damage")
+    lost = 0
+    rows = read_csv(folder / "bad.csv")
+    for a, b in zip(good, rows):
+        for i in (1, 2):
+            lost += b[i] is None and a[i] is not None
+            assert b[i] is None or b[i] == a[i], (a, b)
+    assert 0 < lost < len(rows), lost
+    assert rows[-1][1] is not None and rows[0][1] is not None
+
+
+if __name__ == "__main__":
+    main()
