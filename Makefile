@@ -24,7 +24,7 @@ UNIT_SOURCES := $(sort $(wildcard tests/unit/*.cpp tests/laws/*.cpp))
 
 $(BUILD)/obj/%.o: %.cpp
 	@mkdir -p $(@D)
-	$(CXX) $(HOST) -MMD -MP -c $< -o $@
+	$(CXX) $(HOST) $(GLUE) -MMD -MP -c $< -o $@
 
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 
@@ -42,9 +42,21 @@ $(BUILD)/libsim.a: $(call objects,$(SIM_SOURCES))
 $(BUILD)/fairlead-sim: $(call objects,host_sim/sim.cpp) $(BUILD)/libsim.a $(BUILD)/libpeers.a
 	$(CXX) $(HOST) -Wl,--start-group $^ -Wl,--end-group -lz -o $@
 
-.PHONY: sim
+# command-line glue is wide and never hot: compile it fast
+$(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1 -g0
+
+.PHONY: sim demo
 sim: setup-build ## build the host simulator, build/fairlead-sim
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-sim
+
+RECORDING   ?= $(BUILD)/demo/generated.trk
+DEMO_MOTION := model:optical+rest:2+reach:0.9:12+oscillate:6:1.5+gap:0.4+reach:0.7:8+turn:1.2:12+rest:4
+demo: setup-build setup-demo ## replay a recording (a generated one, or RECORDING=FILE): table and report
+	@$(MAKE) -s BUILD=$(BUILD) $(BUILD)/fairlead-sim $(RECORDING)
+	@$(BUILD)/fairlead-sim replay $(RECORDING) --filter binomial:9 --out $(BUILD)/demo
+$(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
+	@mkdir -p $(@D)
+	@$(BUILD)/fairlead-sim generate '$(DEMO_MOTION)' --seed 1 --out $@
 
 # ---- the Linux port: an archive, and its tests
 PORT_SOURCES := $(sort $(wildcard port/linux/*.cpp))

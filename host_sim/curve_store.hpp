@@ -28,6 +28,7 @@ class CurveList {
         std::uint32_t next_ticks{};   // knot at which the next piece joins; 0: none yet
 
         std::int64_t t0_ns() const { return curve.span.t0_ns; }
+        std::int64_t end_ns() const { return t0_ns() + std::int64_t{cover_ticks} * tick_ns; }
         float ticks(std::int64_t t_ns) const { return ticks_between(t0_ns(), t_ns, tick_ns); }
         bool covers(std::int64_t t_ns) const {
             return ticks(t_ns) <= static_cast<float>(cover_ticks);

@@ -13,7 +13,8 @@ const char* const filter_help =
     "    hu:LAMBDA               sharpening mask H^U\n"
     "    sg:N:P                  Savitzky-Golay, N taps (odd), degree P, centred\n"
     "    csg:N:P                 the same read at the newest sample: no latency\n"
-    "    taps:A,B,...@CENTRE     taps of your own, oldest first, centre counted from 0";
+    "    taps:A,B,...@CENTRE     taps of your own, oldest first, centre counted from 0\n"
+    "    adaptive:HZ:SLOPE       causal, cut-off HZ at rest, growing by SLOPE Hz per rad/s or m/s";
 
 namespace {
 
@@ -74,7 +75,15 @@ AMask mask_of(const SpecItem& item) {
     if (item.name == "sg") return savitzky_golay(item, false);
     if (item.name == "csg") return savitzky_golay(item, true);
     if (item.name == "taps") return own_taps(item);
-    item.refuse("unknown filter: binomial, hs, hu, sg, csg or taps");
+    item.refuse("unknown filter: binomial, hs, hu, sg, csg, taps or adaptive");
+}
+
+NamedFilter filter_of(const SpecItem& item) {
+    if (item.name != "adaptive") return NamedFilter{mask_of(item)};
+    item.expect_arguments(2, 2);
+    const AdaptiveParams params{static_cast<float>(item.number(0, 1e-3, 1e6)),
+                                static_cast<float>(item.number(1, 0, 1e6))};
+    return NamedFilter{AdaptivePoseFilter{params, params}};
 }
 
 }  // namespace
@@ -83,7 +92,7 @@ FilterChain parse_filters(const std::string& spec) {
     FilterChain chain;
     if (spec.empty()) return chain;
     for (const SpecItem& item : parse_spec(spec))
-        if (chain.append(AnyPoseFilter<taps_max>{mask_of(item)}) != Status::ok)
+        if (chain.append(filter_of(item)) != Status::ok)
             throw BadSpec("'" + spec + "': at most 8 filters in a chain");
     return chain;
 }

@@ -1,18 +1,15 @@
-// fairlead-sim info FILE: what a recording holds.
+// fairlead-sim info FILE: what a recording, or a stream, holds.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
+#include "host_sim/curve_store.hpp"
 #include "host_sim/stream.hpp"
 
 namespace fairlead::sim {
 namespace {
-
-struct Counts {
-    std::size_t position{}, orientation{}, both{}, gaps{}, backward{};
-};
 
 std::size_t count_flag(const std::vector<Pose>& poses, std::uint32_t mask) {
     std::size_t n = 0;
@@ -40,7 +37,38 @@ void print_times(const Recording& recording) {
                 gaps == 1 ? "" : "s", backward);
 }
 
+template <class List>
+void print_curves(const char* name, const List& list) {
+    if (list.pieces().empty()) return;
+    std::printf("%-16s %zu curves, %zu knots, %zu control points, from %.3f s to %.3f s\n", name,
+                list.curves(), list.knots(), list.control_points(),
+                static_cast<double>(list.pieces().front().t0_ns()) * 1e-9,
+                static_cast<double>(list.pieces().back().end_ns()) * 1e-9);
+}
+
+void print_stream(const InputOptions& input) {
+    const std::string bytes = read_bytes(input.path);
+    CurveStore store;
+    store.push(bytes);
+    store.finish();
+    const std::string damage = store.damage();
+    if (!damage.empty() && (!input.salvage || store.counters().frames == 0))
+        throw BadData(input.path + ": " + damage);
+    std::printf("format           reduced stream\n");
+    std::printf("bytes            %zu\n", bytes.size());
+    std::printf("frames           %u, %u of them restart frames\n", store.counters().frames,
+                store.counters().restarts);
+    print_curves("position", store.position());
+    print_curves("orientation", store.orientation());
+    if (!damage.empty()) std::printf("damage           %s\n", damage.c_str());
+}
+
+bool is_stream(const std::string& path) {
+    return path.size() > 4 && path.compare(path.size() - 4, 4, ".flr") == 0;
+}
+
 void run(const InputOptions& input) {
+    if (is_stream(input.path)) return print_stream(input);
     const Recording recording = input.read();
     std::printf("name             %s\n", recording.name.c_str());
     std::printf("format           %s\n", to_string(recording.format));
@@ -64,7 +92,7 @@ void run(const InputOptions& input) {
 }  // namespace
 
 void add_info(CLI::App& app) {
-    auto* command = app.add_subcommand("info", "Say what a recording holds");
+    auto* command = app.add_subcommand("info", "Say what a recording or a stream (.flr) holds");
     auto input = std::make_shared<InputOptions>();
     input->add_to(*command, "FILE");
     command->callback([input] { run(*input); });

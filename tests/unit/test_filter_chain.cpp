@@ -58,6 +58,13 @@ TEST(FilterChain, KnowsEveryMask) {
     EXPECT_FALSE(same("sg:7:2", "csg:7:2"));
 }
 
+TEST(FilterChain, KnowsTheAdaptiveFilter) {
+    const auto poses = generate("reach:0.6:4", 4).poses;
+    AdaptivePoseFilter adaptive{{2, 0.5f}, {2, 0.5f}};
+    EXPECT_TRUE(same_bits(filtered("adaptive:2:0.5", poses), filtered(adaptive, poses)));
+    EXPECT_EQ(parse_filters("adaptive:2:0.5+binomial:5").delay(), 2u);
+}
+
 TEST(FilterChain, CanBeUsedAgainAfterFlushAndReset) {
     const auto poses = generate("reach:0.6:2", 4).poses;
     const auto chain = std::make_unique<FilterChain>(parse_filters("binomial:9+binomial:5"));
