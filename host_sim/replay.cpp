@@ -224,6 +224,20 @@ void count(const List& list, ChannelResult& channel) {
     for (const auto& piece : list.pieces()) channel.knot_ns.push_back(piece.t0_ns());
 }
 
+/// Shares the stream's bytes out: a channel's own bits, and half of what frames need beside.
+void share_bytes(const Decoder::Counters& counters, Replay& result) {
+    ChannelResult &p = result.position, &r = result.orientation;
+    const std::size_t total = result.stream.size();
+    if (p.samples > 0 && r.samples > 0) {
+        const std::size_t own = counters.position_bits + counters.orientation_bits;
+        const std::size_t beside = 8 * total > own ? 8 * total - own : 0;
+        p.bytes = std::min(total, (counters.position_bits + beside / 2) / 8);
+        r.bytes = total - p.bytes;
+    } else {
+        (p.samples > 0 ? p : r).bytes = total;
+    }
+}
+
 /// The stream as the far end sees it: portion by portion, then as a whole.
 void judge(Replay& result) {
     const auto& o = result.options;
@@ -251,6 +265,7 @@ void judge(Replay& result) {
     if (o.orientation) judge<OrientationView>(result, o.tol_rot_rad, result.orientation);
     count(store.position(), result.position);
     count(store.orientation(), result.orientation);
+    share_bytes(store.counters(), result);
 }
 
 }  // namespace

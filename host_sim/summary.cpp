@@ -78,11 +78,12 @@ std::vector<Row> summary_rows(const Replay& replay) {
     }));
     rows.push_back(row(replay, "mean delay",
                        [](const auto& c) { return text("%.1f records", c.mean_delay); }));
+    rows.push_back(row(replay, "bytes out", [](const auto& c) { return grouped(c.bytes); }));
     const double ratio = replay.stream.empty() ? 0
                                                : static_cast<double>(replay.bytes_in) /
                                                      static_cast<double>(replay.stream.size());
-    whole("bytes in", grouped(replay.bytes_in));
-    whole("bytes out", grouped(replay.stream.size()) + text(", %.1f times fewer", ratio));
+    whole("bytes in, as sampled", grouped(replay.bytes_in));
+    whole("bytes out, in all", grouped(replay.stream.size()) + text(", %.1f times fewer", ratio));
     return rows;
 }
 

@@ -120,6 +120,7 @@ class BitReader {
         model.learn(v);
     }
     constexpr bool ok() const noexcept { return ok_; }
+    constexpr std::size_t used_bits() const noexcept { return used_; }
     /// Whole bytes not yet touched.
     constexpr std::size_t left() const noexcept { return size_ - (used_ + 7) / 8; }
 

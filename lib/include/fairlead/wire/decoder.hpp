@@ -22,8 +22,9 @@ class Decoder {
         std::uint32_t frames{0};    // good ones
         std::uint32_t restarts{0};  // of them, restart frames
         std::uint32_t damaged{0};   // losses of step: a bad checksum, a missing frame, nonsense
-        std::uint32_t skipped_bytes{0};  // passed over while out of step
-        std::uint32_t lost_frames{0};    // by sequence numbers, modulo 2^16
+        std::uint32_t skipped_bytes{0};                       // passed over while out of step
+        std::uint32_t lost_frames{0};                         // by sequence numbers, modulo 2^16
+        std::uint64_t position_bits{0}, orientation_bits{0};  // of good frames, for each curve
     };
 
     enum class Channel : std::uint8_t { position, orientation };
@@ -127,10 +128,14 @@ class Decoder {
         }
         position_batch_ = {};
         orientation_batch_ = {};
+        const std::size_t head_bits = io.used_bits();
         if (!wire::content(io, position_, position_batch_, header_.base_ns, header_.tick_ns))
             return false;
+        const std::size_t position_end = io.used_bits();
         if (!wire::content(io, orientation_, orientation_batch_, header_.base_ns, header_.tick_ns))
             return false;
+        counters_.position_bits += position_end - head_bits;
+        counters_.orientation_bits += io.used_bits() - position_end;
         in_step_ = true;
         ++sequence_;
         ++counters_.frames;
