@@ -45,7 +45,7 @@ $(BUILD)/fairlead-sim: $(call objects,host_sim/sim.cpp) $(BUILD)/libsim.a $(BUIL
 # command-line glue is wide and never hot: compile it fast
 $(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1 -g0
 
-.PHONY: sim demo
+.PHONY: sim demo readme same-bytes
 sim: setup-build ## build the host simulator, build/fairlead-sim
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-sim
 
@@ -54,9 +54,22 @@ DEMO_MOTION := model:optical+rest:2+reach:0.9:12+oscillate:6:1.5+gap:0.4+reach:0
 demo: setup-build setup-demo ## replay a recording (a generated one, or RECORDING=FILE): table and report
 	@$(MAKE) -s BUILD=$(BUILD) $(BUILD)/fairlead-sim $(RECORDING)
 	@$(BUILD)/fairlead-sim replay $(RECORDING) --filter binomial:9 --out $(BUILD)/demo
+readme: demo ## put the present output of make demo into the README
+	@tests/sim/test_readme.py --write
+same-bytes: setup-clang ## the same stream from g++ and clang++, -O0 and -O2, on all recordings
+	@tests/sim/test_same_bytes.py $(wildcard ../shared/recordings/tracker120/*.trk)
 $(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
 	@mkdir -p $(@D)
 	@$(BUILD)/fairlead-sim generate '$(DEMO_MOTION)' --seed 1 --out $@
+
+# small examples, one idea each; and what is tested from the outside
+SMALL_EXAMPLES := $(patsubst %,$(BUILD)/examples/%,filter reduce decode)
+$(SMALL_EXAMPLES): $(BUILD)/examples/%: $(BUILD)/obj/examples/%.o
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) $^ -o $@
+build-tests: $(SMALL_EXAMPLES)
+SIM_TESTS := $(sort $(wildcard tests/sim/test_*.py))
+test: setup-demo
 
 # ---- the Linux port: an archive, and its tests
 PORT_SOURCES := $(sort $(wildcard port/linux/*.cpp))
@@ -178,7 +191,7 @@ setup-%:
 TEST_PROGRAMS := $(BUILD)/tests/unit $(BUILD)/tests/port $(BUILD)/tests/gpio1 $(BUILD)/tests/gpio2 $(BUILD)/tests/gateway $(BUILD)/tests/peers
 test: setup-build setup-test setup-gateway ## build and run all tests that need no other machine (installs what is missing)
 	@$(MAKE) BUILD=$(BUILD) build-tests
-	@tests/run $(TEST_PROGRAMS)
+	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(SIM_TESTS)
 
 .PHONY: build-tests headers
 build-tests: $(TEST_PROGRAMS) $(BUILD)/fairlead-record $(BUILD)/fairlead-sim headers

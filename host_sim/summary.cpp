@@ -82,7 +82,7 @@ std::vector<Row> summary_rows(const Replay& replay) {
     const double ratio = replay.stream.empty() ? 0
                                                : static_cast<double>(replay.bytes_in) /
                                                      static_cast<double>(replay.stream.size());
-    whole("bytes in, as sampled", grouped(replay.bytes_in));
+    whole("bytes in, 36 a record", grouped(replay.bytes_in));
     whole("bytes out, in all", grouped(replay.stream.size()) + text(", %.1f times fewer", ratio));
     return rows;
 }

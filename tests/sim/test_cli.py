@@ -148,7 +148,7 @@ def test_replay_writes_its_folder(folder):
     out = folder / "a" / "b"
     table = must("replay", trk, "--filter", "binomial:5", "--out", out)
     for word in ("records in", "faults", "control points", "largest error", "largest delay",
-                 "bytes in, as sampled", "bytes out", "largest distance to raw", str(out / "report.html")):
+                 "bytes in, 36 a record", "bytes out", "largest distance to raw", str(out / "report.html")):
         assert word in table, word
     tum = (out / "filtered.tum").read_text().splitlines()
     both = sum(1 for _, p, q in read_trk(trk) if p and q)

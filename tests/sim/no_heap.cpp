@@ -1,0 +1,15 @@
+// Everything between a raw pose and a decoded curve, for a look at what the linker would be asked.
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/decoder.hpp"
+
+using namespace fairlead;
+
+struct Config : PipelineConfig {
+    using Filter = PoseFilter<9>;
+};
+
+Bytes push(Pipeline<Config>& pipeline, const Pose& pose) { return pipeline.push(pose); }
+Bytes flush(Pipeline<Config>& pipeline) { return pipeline.flush(); }
+Pipeline<Config> make() { return Pipeline<Config>{{{}, Config::Filter{binomial_mask<9>()}, {}}}; }
+bool push(Decoder& decoder, std::uint8_t byte) { return decoder.push(byte); }
+bool next(Decoder& decoder, Decoder::Update& update) { return decoder.next(update); }

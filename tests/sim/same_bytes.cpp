@@ -1,0 +1,48 @@
+// Reduces recordings and prints a hash of each stream: to be built by several compilers.
+#include <cstdio>
+#include <memory>
+
+#include "fairlead/pipeline.hpp"
+#include "host_sim/generate.hpp"
+#include "host_sim/stream.hpp"
+
+using namespace fairlead;
+
+namespace {
+
+struct Config : PipelineConfig {
+    using Filter = PoseFilter<9>;
+    static constexpr std::size_t window = 120;
+};
+
+std::uint64_t hash_of(const sim::Recording& recording, float tol_m, float tol_rad) {
+    EncoderParams encoder;
+    encoder.tol_position_m = {tol_m, tol_m, tol_m};
+    encoder.tol_orientation_rad = tol_rad;
+    encoder.delay_max = 120;
+    const auto pipeline = std::make_unique<Pipeline<Config>>(
+        Pipeline<Config>::Params{{}, Config::Filter{binomial_mask<9>()}, encoder});
+    std::uint64_t hash = 14695981039346656037u;  // FNV-1a
+    const auto take = [&](const Bytes& bytes) {
+        for (std::size_t i = 0; i < bytes.size; ++i)
+            hash = (hash ^ bytes.data[i]) * 1099511628211u;
+        return !bytes.empty();
+    };
+    for (const Pose& pose : recording.poses) take(pipeline->push(pose));
+    while (take(pipeline->flush())) {
+    }
+    return hash;
+}
+
+void print(const sim::Recording& recording) {
+    std::printf("%s %016llx %016llx\n", recording.name.c_str(),
+                static_cast<unsigned long long>(hash_of(recording, 0.001f, 0.0043633f)),
+                static_cast<unsigned long long>(hash_of(recording, 0.005f, 0.0174533f)));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    print(sim::generate("rest:1+reach:0.8:5+gap:0.3+oscillate:3:2+jump+turn:1:12+rest:2", 1));
+    for (int i = 1; i < argc; ++i) print(sim::read_recording(argv[i]));
+}
