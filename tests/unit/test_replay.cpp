@@ -1,0 +1,121 @@
+// The replay's accounting, on motions with rests, gaps, drop-outs, teleports and faults. The heap
+// is sealed around every push, so that an allocation in the pipeline would end the test.
+#include "host_sim/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host_sim/curve_store.hpp"
+#include "host_sim/faults.hpp"
+#include "host_sim/generate.hpp"
+#include "host_sim/random.hpp"
+#include "host_sim/spec.hpp"
+#include "host_sim/summary.hpp"
+
+using namespace fairlead;
+using namespace fairlead::sim;
+
+namespace {
+
+Recording motion(std::uint64_t seed) {
+    return generate(
+        "model:optical+rest:1+reach:0.7:4+gap:0.3+oscillate:2:2+lose:position:0.4+turn:0.8:12+jump+"
+        "lose:orientation:0.3+reach:0.6:3+rest:1",
+        seed);
+}
+
+void expect_guarantee(const Replay& r) {
+    for (const ChannelResult* c : {&r.position, &r.orientation}) {
+        EXPECT_EQ(c->violations, 0u);
+        EXPECT_EQ(c->changed, 0u);
+        EXPECT_LE(c->max_delay, r.options.delay_max);
+        EXPECT_EQ(c->control_points, 4 * c->curves + c->knots);
+    }
+    EXPECT_LE(r.position.max_error, r.options.tol_pos_m);
+    EXPECT_LE(r.orientation.max_error, r.options.tol_rot_rad);
+    EXPECT_EQ(r.position.bytes + r.orientation.bytes, r.stream.size());
+}
+
+}  // namespace
+
+TEST(Replay, HoldsItsGuaranteeOverMotionsTolerancesAndDelays) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        ReplayOptions options;
+        options.delay_max = seed % 2 == 0 ? 30 : 120;
+        options.tol_pos_m = seed < 3 ? 1e-3 : 5e-3;
+        options.filter = seed < 3 ? "" : "binomial:9+csg:7:2";
+        const Recording recording = motion(seed);
+        const Replay r = replay(recording, options);
+        expect_guarantee(r);
+        EXPECT_EQ(r.input.size(), recording.size());
+        EXPECT_EQ(r.bytes_after_record.size(), recording.size());
+        EXPECT_EQ(r.position.curves, 3u) << "the gap and the lost channel start new curves";
+        if (options.filter.empty()) {
+            EXPECT_EQ(r.position.max_raw, r.position.max_error);
+        } else {
+            EXPECT_GT(r.position.max_raw, r.position.max_error);
+        }
+    }
+}
+
+TEST(Replay, CountsFaultsAndGoesOn) {
+    Recording recording = motion(9);
+    for (const SpecItem& item : parse_spec("nan:3+spike:2+repeat:5+backward:3+zero:2"))
+        spoil_records(recording, item, 4);
+    const Replay r = replay(recording, {});
+    expect_guarantee(r);
+    EXPECT_LT(r.input.size(), recording.size());
+    const std::string faults = faults_text(r);
+    for (const char* kind : {"5 repeated time", "3 backward time", "not finite", "out of range"})
+        EXPECT_NE(faults.find(kind), std::string::npos) << faults;
+}
+
+TEST(Replay, AnImuAloneIsRefused) {
+    EXPECT_THROW(replay(generate("model:mpu6050+rest:1", 1), {}), BadData);
+}
+
+TEST(CurveStore, TakesBytesInAnyPortions) {
+    const Recording recording = motion(3);
+    const Replay r = replay(recording, {});
+    CurveStore whole, single;
+    whole.push(r.stream);
+    whole.finish();
+    for (const char byte : r.stream) single.push(std::string_view(&byte, 1));
+    single.finish();
+    EXPECT_EQ(whole.damage(), "");
+    for (const Pose& pose : recording.poses) {
+        const Pose a = whole.at(pose.t_ns), b = single.at(pose.t_ns);
+        EXPECT_EQ(a.flags, b.flags);
+        EXPECT_EQ(a.p_w_m.x, b.p_w_m.x);
+        EXPECT_EQ(a.q_wb.w, b.q_wb.w);
+    }
+}
+
+TEST(CurveStore, NoticesEveryFlippedBitAndNeverInventsACurve) {
+    const Recording recording = motion(3);
+    const Replay r = replay(recording, {});
+    sim::Random random{8};
+    for (int round = 0; round < 40; ++round) {
+        std::string bytes = r.stream;
+        const auto at = static_cast<std::size_t>(random.below(bytes.size()));
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << random.below(8)));
+        CurveStore store;
+        store.push(bytes);
+        store.finish();
+        SCOPED_TRACE("byte " + std::to_string(at));
+        EXPECT_NE(store.damage(), "");
+        for (std::size_t i = 0; i < recording.size(); i += 7) {
+            const Pose a = store.at(r.input[i].t_ns);
+            const Pose& b = r.decoded[i];
+            EXPECT_EQ(a.flags & ~b.flags, 0u);
+            if ((a.flags & flag::position_valid) != 0) {
+                EXPECT_EQ(a.p_w_m.y, b.p_w_m.y) << i;
+            }
+            if ((a.flags & flag::orientation_valid) != 0) {
+                EXPECT_EQ(a.q_wb.x, b.q_wb.x) << i;
+            }
+        }
+    }
+}
