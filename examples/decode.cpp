@@ -1,5 +1,6 @@
 // Bytes in, curve out: the far end of the wire keeps the newest piece and evaluates it.
 #include <fairlead/pipeline.hpp>
+#include <fairlead/reduce/evaluate.hpp>
 #include <fairlead/wire/decoder.hpp>
 
 #include "support.hpp"
@@ -7,11 +8,9 @@
 /// The position at the end of what is final so far.
 void print_end(const fairlead::Decoder& decoder) {
     const auto& link = decoder.position();
-    const auto ticks = static_cast<float>(link.cover_ticks);
-    const fairlead::Polynomial<3, 4> piece{link.curve.span};
-    const auto p = link.curve.value(piece(ticks), link.scale);
     const std::int64_t t_ns =
         link.curve.span.t0_ns + std::int64_t{link.cover_ticks} * decoder.tick_ns();
+    const auto p = value_at(link.curve, link.scale, decoder.tick_ns(), t_ns);
     std::printf("%.3f s  %.4f %.4f %.4f m\n", static_cast<double>(t_ns) * 1e-9,
                 static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fairlead/reduce/evaluate.hpp"
 #include "fairlead/wire/decoder.hpp"
 
 namespace fairlead::sim {
@@ -19,13 +20,14 @@ class CurveList {
     using Value = typename Channel::Value;
 
     struct Piece {
-        typename Channel::Curve curve{};
+        Curve<Channel> curve{};
         typename Channel::Scale scale{};
         std::uint32_t tick_ns{1};
         bool begins{}, breaks{};
         bool joins{};                 // goes on from the piece before it
         std::uint32_t cover_ticks{};  // final up to here, after its own knot
         std::uint32_t next_ticks{};   // knot at which the next piece joins; 0: none yet
+        std::size_t multiplicity{};   // of its own knot, where it joins
 
         std::int64_t t0_ns() const { return curve.span.t0_ns; }
         std::int64_t end_ns() const { return t0_ns() + std::int64_t{cover_ticks} * tick_ns; }
@@ -49,6 +51,7 @@ class CurveList {
         if (piece.joins) {
             const std::int64_t apart_ns = piece.t0_ns() - pieces_.back().t0_ns();
             pieces_.back().next_ticks = static_cast<std::uint32_t>(apart_ns / piece.tick_ns);
+            piece.multiplicity = multiplicity(pieces_.back(), piece);
         }
         pieces_.push_back(piece);
     }
@@ -65,8 +68,7 @@ class CurveList {
             const Piece& piece = *(next - 1);
             if (piece.joins && (next - 2)->is_final_at(t_ns)) continue;
             if (!piece.is_final_at(t_ns)) return {};
-            const Polynomial<Channel::dimension, Channel::order> polynomial{piece.curve.span};
-            return piece.curve.value(polynomial(piece.ticks(t_ns)), piece.scale);
+            return value_at(piece.curve, piece.scale, piece.tick_ns, t_ns);
         }
         return {};
     }
@@ -82,11 +84,21 @@ class CurveList {
     }
     /// Interior knots with multiplicity: a break has that of the order.
     std::size_t knots() const {
-        return count([](const Piece& p) { return !p.begins; }) + Channel::order * breaks();
+        std::size_t sum = Channel::order * breaks();
+        for (const Piece& piece : pieces_) sum += piece.multiplicity;
+        return sum;
     }
     std::size_t control_points() const { return Channel::order * curves() + knots(); }
 
   private:
+    /// One, but where derivatives below the highest jump as well.
+    static std::size_t multiplicity(const Piece& before, const Piece& piece) {
+        const auto moved = carried(before.curve.span, before.next_ticks, before.tick_ns);
+        for (std::size_t m = 1; m + 1 < Channel::order; ++m)
+            if (moved.c[m] != piece.curve.span.c[m]) return Channel::order - m;
+        return 1;
+    }
+
     template <class Predicate>
     std::size_t count(Predicate predicate) const {
         return static_cast<std::size_t>(std::count_if(pieces_.begin(), pieces_.end(), predicate));
