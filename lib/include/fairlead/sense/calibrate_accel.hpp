@@ -24,7 +24,7 @@ class AccelFit {
     static constexpr float opposition_max = 0.5f;     // m/s^2: beyond it a face was not straight
     static constexpr float determinant_error_max = 0.3f;
 
-    explicit AccelFit(float gravity_m_s2 = 9.80665f) noexcept : g_{gravity_m_s2} {}
+    explicit AccelFit(float g_m_s2 = 9.80665f) noexcept : g_{g_m_s2} {}
 
     /// False: the reading belongs to no face, for it leans more than 25 degrees or is no gravity.
     bool push(const Vec3& accel_m_s2) noexcept {

@@ -1,0 +1,62 @@
+#pragma once
+// The whole way of the data for an inertial sensor: intake -> calibration -> attitude, and then the
+// pipeline of poses (filter -> reduce -> codec). One orientation stream leaves; there is no
+// position.
+#include "fairlead/pipeline.hpp"
+#include "fairlead/sense/attitude.hpp"
+#include "fairlead/sense/calibrate.hpp"
+
+namespace fairlead {
+
+/// Config as for Pipeline. Memory: the object. Work per push: an attitude step and a pipeline push.
+template <class Config, AttitudeMode mode = AttitudeMode::imu_mag>
+class ImuPipeline {
+  public:
+    using Motion = Pipeline<Config>;
+    using Orientation = BasicAttitude<float, mode>;
+    struct Params {
+        IntakeParams intake{};
+        Calibration calibration{};
+        AttitudeParams attitude{};
+        typename Motion::Params motion{};
+    };
+
+    explicit ImuPipeline(const Params& params) noexcept
+        : intake_{params.intake},
+          calibrate_{params.calibration},
+          orientation_{params.attitude},
+          motion_{only_orientation(params.motion)} {}
+
+    /// One raw sample. @return the frames that it completed, possibly none; valid until the next
+    /// call.
+    Bytes push(const Sample& raw) noexcept {
+        pose_.reset();
+        const auto sample = intake_.push(raw);
+        if (!sample) return {};
+        pose_ = orientation_.push(calibrate_(*sample));
+        return pose_ ? motion_.push(*pose_) : Bytes{};
+    }
+
+    /// Lets out what is still inside. @return frames; call until there are none.
+    Bytes flush() noexcept { return motion_.flush(); }
+
+    /// What the last push made of its sample, before filter and reducer.
+    const std::optional<Pose>& pose() const noexcept { return pose_; }
+    const Intake<Sample>& intake() const noexcept { return intake_; }
+    const Orientation& orientation() const noexcept { return orientation_; }
+    const Motion& motion() const noexcept { return motion_; }
+
+  private:
+    static typename Motion::Params only_orientation(typename Motion::Params params) noexcept {
+        params.encoder.position = false;
+        return params;
+    }
+
+    Intake<Sample> intake_;
+    Calibrator calibrate_;
+    Orientation orientation_;
+    Motion motion_;
+    std::optional<Pose> pose_{};
+};
+
+}  // namespace fairlead
