@@ -191,7 +191,7 @@ class BasicAttitude {
             filter(gyro);
     }
 
-    /// One slice, or two where the samples are so rare that the step would outlast its window.
+    /// One slice; where samples are so rare that the slices outlast the window, it lasts as long.
     void filter(const Vector& gyro) noexcept {
         const auto& w = s_.sums;
         const auto step_s = static_cast<Real>(params_.step_s);
@@ -202,9 +202,7 @@ class BasicAttitude {
             Kalman::close_window(s_, params_);
             return;
         }
-        const Real needed_s = s_.period_s * static_cast<Real>(Kalman::apply + 1 - s_.slice);
         Kalman::advance(s_, params_);
-        if (s_.slice != Kalman::idle && needed_s > step_s - w.time) Kalman::advance(s_, params_);
         if (s_.slice == Kalman::idle) judge();
     }
 
