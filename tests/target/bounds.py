@@ -45,7 +45,7 @@ def table(build, subjects, cores):
     text += "| stage | what | latency |\n|---|---|---:|\n"
     for s in subjects:
         r = load(build, cores[0], s)
-        text += "| %s | %s | %d |\n" % (s, r["text"], r["latency"])
+        text += "| %s | %s | %d |\n" % (s, r["text"].replace("<", "&lt;"), r["latency"])
     for core in cores:
         text += "\n## %s\n\n| stage | %s | dearest push |\n|---%s|---|\n" % (
             TITLES[core], " | ".join(COLUMNS), "|---:" * len(COLUMNS))

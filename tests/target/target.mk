@@ -65,7 +65,7 @@ FIRMWARE_FLAGS = $(wordlist 7,99,$(shell grep '^m4f ' port/cortex_m/cores)) $(CO
 $(FIRMWARE)/firmware.elf: $(wildcard examples/firmware/*) port/cortex_m/entry.hpp port/cortex_m/memory.ld $(shell find lib -name '*.hpp')
 	@mkdir -p $(@D)
 	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
-		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=64K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=16K \
+		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=256K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=64K \
 		examples/firmware/main.cpp examples/firmware/board_mps2.cpp -o $@
 $(FIRMWARE)/check_frames: $(wildcard examples/firmware/*) $(shell find lib -name '*.hpp')
 	@mkdir -p $(@D)
