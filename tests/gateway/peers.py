@@ -205,8 +205,9 @@ def example_python(port, poses):
     for t, *q in rows:
         i = round((float(t) - 1) * 100)
         if abs(float(t) - 1 - i / 100) < 1e-6 and i < len(poses):
-            dot = abs(sum(float(a) * b for a, b in zip(q, poses[i][3:])))
-            worst = max(worst, 2 * math.degrees(math.acos(min(1.0, dot))))
+            sides = [[float(a) - s * b for a, b in zip(q, poses[i][3:])] for s in (1, -1)]
+            chord = min(math.hypot(*side) for side in sides)  # acos would lose the digits
+            worst = max(worst, math.degrees(4 * math.asin(chord / 2)))
     check("poll.py: the curve within tolerance", len(rows) > 500 and worst < 0.26,
           f"{len(rows)} rows, {worst} deg {done.stderr}")
 
