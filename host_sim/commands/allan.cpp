@@ -2,6 +2,7 @@
 #include "host_sim/allan.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -96,6 +97,9 @@ void run(const Options& o) {
         Figure& figure = figures[c / 3];
         figure.x_min = series.x.front();
         figure.x_max = series.x.back();
+        const auto [low, high] = std::minmax_element(series.y.begin(), series.y.end());
+        figure.y_min = figure.series.empty() ? 0.7 * *low : std::min(figure.y_min, 0.7 * *low);
+        figure.y_max = std::max(figure.y_max, 1.4 * *high);
         figure.series.push_back(series);
     }
     if (!o.csv.empty()) write_bytes(o.csv, csv);
@@ -104,7 +108,9 @@ void run(const Options& o) {
                        recording.name + "</title>\n";
     for (const std::string& svg : draw({figures[0], figures[1]})) {
         if (svg.empty()) throw BadData("gnuplot cannot be run: no plot (Debian: gnuplot-nox)");
-        page += svg;
+        page +=
+            "<p>Allan deviation over log10 of the averaging time in s; red x, green y, blue z</p>" +
+            svg;
     }
     write_bytes(o.plot, page);
 }
