@@ -64,6 +64,7 @@ HostPipeline::Params parameters(const Recording& recording, const ReplayOptions&
     params.encoder.tol_orientation_rad = static_cast<float>(options.tol_rot_rad);
     params.encoder.tick_ns = tick_for(recording.poses, recording.period_s);
     params.encoder.delay_max = options.delay_max;
+    params.encoder.slice = options.slice;
     params.encoder.position = options.position;
     params.encoder.orientation = options.orientation;
     return params;

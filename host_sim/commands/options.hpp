@@ -66,6 +66,17 @@ inline void add_tolerances(CLI::App& command, ReplayOptions& options, bool must_
                     "Most records from a sample to the bytes that cover it")
         ->check(CLI::Range(2u, delay_most))
         ->capture_default_str();
+    command
+        .add_option_function<std::string>(
+            "--slice",
+            [&options](const std::string& size) {
+                options.slice = size == "small"   ? slice_small
+                                : size == "large" ? slice_large
+                                                  : slice_medium;
+            },
+            "Work per record: more finds fewer knots, never another guarantee")
+        ->check(CLI::IsMember({"small", "medium", "large"}))
+        ->default_str("medium");
 }
 
 /// The reduction promises a bound; should it ever not hold, that is an error.
