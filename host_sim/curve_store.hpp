@@ -25,6 +25,7 @@ class CurveList {
         std::uint32_t tick_ns{1};
         bool begins{}, breaks{};
         bool joins{};                 // goes on from the piece before it
+        bool covered{};               // its own knot is final, too: another curve may begin there
         std::uint32_t cover_ticks{};  // final up to here, after its own knot
         std::uint32_t next_ticks{};   // knot at which the next piece joins; 0: none yet
         std::size_t multiplicity{};   // of its own knot, where it joins
@@ -33,7 +34,7 @@ class CurveList {
         std::int64_t end_ns() const { return t0_ns() + std::int64_t{cover_ticks} * tick_ns; }
         float ticks(std::int64_t t_ns) const { return ticks_between(t0_ns(), t_ns, tick_ns); }
         bool covers(std::int64_t t_ns) const {
-            return ticks(t_ns) <= static_cast<float>(cover_ticks);
+            return covered && ticks(t_ns) <= static_cast<float>(cover_ticks);
         }
         /// In the very arithmetic of the encoder. What had been covered stays as it is: at a knot
         /// on a covered sample the earlier piece is in charge.
@@ -56,7 +57,9 @@ class CurveList {
         pieces_.push_back(piece);
     }
     void cover(std::uint32_t ticks) {
-        if (!pieces_.empty()) pieces_.back().cover_ticks = ticks;
+        if (pieces_.empty()) return;
+        pieces_.back().covered = true;
+        pieces_.back().cover_ticks = ticks;
     }
 
     std::optional<Value> at(std::int64_t t_ns) const {
