@@ -1,7 +1,9 @@
 // Masks: their taps against the papers and against dense fits, and what checks refuse.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 #include "fairlead/smooth/mask.hpp"
@@ -177,4 +179,58 @@ TEST(Mask, AnyMaskRefusesWhatItCannotHold) {
     EXPECT_FALSE(M::from_taps(taps, 2, 2));
     EXPECT_TRUE(M::from_taps(taps, 2, 1));
     EXPECT_FALSE(AnyMask<3>::smoothing(1));
+}
+
+// The table of docs/filter.md, and that its columns agree with what each mask is for.
+TEST(Mask, FiguresOfTheManual) {
+    struct Figures {
+        double half_power, largest;
+    };
+    const auto of = [](const AnyMask<65>& mask) {
+        Figures f{0.5, 1};
+        for (double at = 0.5; at > 0; at -= 0.0005) {
+            double re = 0, im = 0;
+            for (std::size_t i = 0; i < mask.size(); ++i) {
+                const double m = static_cast<double>(i) - static_cast<double>(mask.centre());
+                re += double{mask.tap(i)} * std::cos(2 * M_PI * at * m);
+                im += double{mask.tap(i)} * std::sin(2 * M_PI * at * m);
+            }
+            const double power = re * re + im * im;
+            if (power < 0.5) f.half_power = at;
+            f.largest = std::max(f.largest, std::sqrt(power));
+        }
+        return f;
+    };
+    using M = AnyMask<65>;
+    const struct {
+        const char* name;
+        Result<M> mask;
+    } rows[] = {{"binomial:5", M::binomial(5)},
+                {"binomial:9", M::binomial(9)},
+                {"binomial:33", M::binomial(33)},
+                {"hs:1", M::smoothing(1)},
+                {"hu:0.5", M::sharpening(0.5)},
+                {"sg:11:2", M::savitzky_golay(11, 2, 5)},
+                {"sg:21:4", M::savitzky_golay(21, 4, 10)},
+                {"csg:9:1", M::savitzky_golay(9, 1, 8)},
+                {"csg:15:2", M::savitzky_golay(15, 2, 14)},
+                {"zero_lag 0.7", M::zero_lag(0.7)},
+                {"zero_lag 0.5", M::zero_lag(0.5)},
+                {"zero_lag 0.3", M::zero_lag(0.3)}};
+    std::printf("%-13s %5s %8s %7s %7s %11s %8s\n", "mask", "taps", "latency", "lag", "noise",
+                "half power", "largest");
+    for (const auto& row : rows) {
+        ASSERT_TRUE(row.mask) << row.name;
+        const M& mask = *row.mask;
+        const Figures f = of(mask);
+        const double noise = std::sqrt(double{noise_variance(mask)});
+        const double lag = -double{first_moment(mask)};
+        std::printf("%-13s %5zu %8zu %7.1f %7.3f %11.3f %8.3f\n", row.name, mask.size(),
+                    mask.size() - 1 - mask.centre(), std::fabs(lag) < 0.05 ? 0 : lag, noise,
+                    f.half_power, f.largest);
+        EXPECT_NEAR(lag, 0, 2e-5);  // all of these keep a constant rate
+        const bool sharpens = row.name[1] == 'u';
+        EXPECT_EQ(noise > 1, sharpens);
+        EXPECT_EQ(f.half_power < 0.5, !sharpens) << row.name;
+    }
 }
