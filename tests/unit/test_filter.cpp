@@ -196,3 +196,36 @@ TEST(Filter, ChannelsMayHaveMasksOfTheirOwn) {
     for (std::size_t i = 0; i < in.size(); ++i)
         expect_equal(a[i], Pose{in[i].t_ns, p[i].p_w_m, r[i].q_wb, in[i].flags});
 }
+
+namespace {
+struct CountingSpace : detail::OrientationSpace<float> {
+    static inline int logs = 0, exps = 0;
+    static Vec3 step(const Quat& from, const Quat& to) noexcept {
+        ++logs;
+        return OrientationSpace::step(from, to);
+    }
+    static Quat moved(const Quat& from, const Vec3& by) noexcept {
+        ++exps;
+        return OrientationSpace::moved(from, by);
+    }
+};
+}  // namespace
+
+TEST(Filter, OneLogAndOneExpPerRecordWhateverTheLength) {
+    const auto in = noisy_stream(12, 200);
+    const auto count = [&in](auto mask, auto latency) {
+        detail::MaskTrack<CountingSpace, decltype(mask), decltype(latency)::value> track{mask};
+        CountingSpace::logs = CountingSpace::exps = 0;
+        for (std::size_t i = 0; i < in.size(); ++i) {
+            if (i % 50 == 0) track.restart();
+            static_cast<void>(track.push(in[i].q_wb));
+            if (i >= latency) static_cast<void>(track.take(in[i - latency].q_wb));
+            EXPECT_LE(CountingSpace::logs, static_cast<int>(i) + 1);
+            EXPECT_LE(CountingSpace::exps, static_cast<int>(i) + 1);
+        }
+        EXPECT_EQ(CountingSpace::logs, 196);  // none at the start of a segment
+    };
+    count(binomial_mask<3>(), std::integral_constant<std::size_t, 1>{});
+    count(binomial_mask<65>(), std::integral_constant<std::size_t, 32>{});
+    count(causal_savitzky_golay_mask<40, 2>(), std::integral_constant<std::size_t, 0>{});
+}
