@@ -138,8 +138,7 @@ class Reducer {
             }
             if (cover(goal)) {
                 if (samples_.size == 0 || !active_ || age() < goal) break;
-            } else if (search_.plan().size > 0 &&
-                       samples_.u[0] >= static_cast<float>(search_.plan().knot[0])) {
+            } else if (search_.plan().size > 0 && !before_knot(0)) {
                 if (out_.size == batch_knots) break;
                 freeze();
             } else {
@@ -260,6 +259,13 @@ class Reducer {
             }
     }
 
+    /// In integers, as a decoder chooses the piece that speaks for a time.
+    bool before_knot(std::size_t i) const noexcept {
+        const std::int64_t knot = search_.plan().knot[0];
+        return samples_.t_ns[i] - curve_.span.t0_ns <
+               knot * static_cast<std::int64_t>(params_.tick_ns);
+    }
+
     bool accepted(std::size_t i) const noexcept {
         const Polynomial<D, Order> p{curve_.span};
         const float u = ticks_between(curve_.span.t0_ns, samples_.t_ns[i], params_.tick_ns);
@@ -271,17 +277,16 @@ class Reducer {
         const auto& plan = search_.plan();
         const std::size_t n = count();
         std::size_t k = 0;
-        while (k < n && (plan.size == 0 || samples_.u[k] < static_cast<float>(plan.knot[0])) &&
-               accepted(k)) {
+        while (k < n && (plan.size == 0 || before_knot(k)) && accepted(k)) {
             ++k;
             // with knots ahead only what is needed is made final: a later start of the next knot is
             // open
             if (!resting() && records_ - samples_.record[k - 1] < goal) break;
         }
         if (k == 0) return false;
-        const float last = samples_.u[k - 1];
-        auto ticks = static_cast<std::uint32_t>(last > 0 ? last : 0);
-        if (static_cast<float>(ticks) < last) ++ticks;
+        const std::int64_t past = samples_.t_ns[k - 1] - curve_.span.t0_ns;
+        const auto ticks =
+            static_cast<std::uint32_t>((past + params_.tick_ns - 1) / params_.tick_ns);
         out_.covers = true;
         out_.cover_ticks = cover_ticks_ = ticks;
         samples_.drop(k);
