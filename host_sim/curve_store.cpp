@@ -7,7 +7,7 @@ template <class List, class Link>
 void follow(List& list, const Link& link, const Decoder::Update& update, std::uint32_t tick_ns) {
     if (update.piece)
         list.add({link.curve, link.scale, tick_ns, update.begins, update.breaks,
-                  !update.begins && !update.rejoined, false, 0, 0, 0});
+                  !update.begins && !update.rejoined, 0, 0, 0});
     if (!update.piece || (update.rejoined && link.cover_ticks > 0)) list.cover(link.cover_ticks);
 }
 

@@ -25,21 +25,14 @@ class CurveList {
         std::uint32_t tick_ns{1};
         bool begins{}, breaks{};
         bool joins{};                 // goes on from the piece before it
-        bool covered{};               // its own knot is final, too: another curve may begin there
-        std::uint32_t cover_ticks{};  // final up to here, after its own knot
+        std::uint32_t cover_ticks{};  // final before this, after its own knot
         std::uint32_t next_ticks{};   // knot at which the next piece joins; 0: none yet
         std::size_t multiplicity{};   // of its own knot, where it joins
 
         std::int64_t t0_ns() const { return curve.span.t0_ns; }
-        std::int64_t end_ns() const { return t0_ns() + std::int64_t{cover_ticks} * tick_ns; }
-        float ticks(std::int64_t t_ns) const { return ticks_between(t0_ns(), t_ns, tick_ns); }
-        bool covers(std::int64_t t_ns) const {
-            return covered && ticks(t_ns) <= static_cast<float>(cover_ticks);
-        }
-        /// In the very arithmetic of the encoder. What had been covered stays as it is: at a knot
-        /// on a covered sample the earlier piece is in charge.
-        bool is_final_at(std::int64_t t_ns) const {
-            return covers(t_ns) || ticks(t_ns) < static_cast<float>(next_ticks);
+        /// The piece is final, and in charge, from its knot to before this time.
+        std::int64_t end_ns() const {
+            return t0_ns() + std::int64_t{std::max(cover_ticks, next_ticks)} * tick_ns;
         }
     };
 
@@ -58,22 +51,16 @@ class CurveList {
     }
     void cover(std::uint32_t ticks) {
         if (pieces_.empty()) return;
-        pieces_.back().covered = true;
         pieces_.back().cover_ticks = ticks;
     }
 
     std::optional<Value> at(std::int64_t t_ns) const {
-        // a knot may lie a rounding beyond t and yet be in charge: start one piece further
         const auto later = [](std::int64_t t, const Piece& p) { return t < p.t0_ns(); };
-        auto next = std::upper_bound(pieces_.begin(), pieces_.end(), t_ns, later);
-        if (next != pieces_.end() && next->joins) ++next;
-        for (; next != pieces_.begin(); --next) {
-            const Piece& piece = *(next - 1);
-            if (piece.joins && (next - 2)->is_final_at(t_ns)) continue;
-            if (!piece.is_final_at(t_ns)) return {};
-            return value_at(piece.curve, piece.scale, piece.tick_ns, t_ns);
-        }
-        return {};
+        const auto next = std::upper_bound(pieces_.begin(), pieces_.end(), t_ns, later);
+        if (next == pieces_.begin()) return {};
+        const Piece& piece = *(next - 1);
+        if (t_ns >= piece.end_ns()) return {};
+        return value_at(piece.curve, piece.scale, piece.tick_ns, t_ns);
     }
 
     const std::vector<Piece>& pieces() const { return pieces_; }

@@ -43,7 +43,7 @@ class Track {
             const std::int64_t t_ns = n * motion::step_ns;
             auto piece = pieces_.rbegin();
             while (piece != pieces_.rend() && piece->curve.span.t0_ns > t_ns) ++piece;
-            if (piece == pieces_.rend() || t_ns > piece->until_ns) return -1;
+            if (piece == pieces_.rend() || t_ns >= piece->until_ns) return -1;
             const auto& curve = piece->curve;
             const auto value = fairlead::value_at(curve, link.scale, decoder.tick_ns(), t_ns);
             const float e = error(value, motion::at(t_ns));

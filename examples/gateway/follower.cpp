@@ -119,7 +119,6 @@ void CurveFollower::open(OpenCurve& curve, const CurveSpan& span) noexcept {
         if (!span.begins) {  // final up to the knot where the next one takes over
             last.cover_ticks =
                 static_cast<std::uint32_t>((span.t0_ns - last.t0_ns) / std::int64_t{last.tick_ns});
-            last.ends_open = true;
             curve.covers_ = curve.changed_ = true;
             send_newest(curve);
         }
@@ -158,8 +157,8 @@ void CurveFollower::send(const SpanItem& item) noexcept {
 }
 
 void CurveFollower::evaluate() noexcept {
-    const auto end = [](const OpenCurve& c) {
-        return c.has_any() ? c.newest().t1_ns() : INT64_MIN;
+    const auto end = [](const OpenCurve& c) {  // the last tick that is final
+        return c.has_any() ? c.newest().t1_ns() - std::int64_t{c.newest().tick_ns} : INT64_MIN;
     };
     const std::int64_t newest = std::max(end(orientation_), end(position_));
     if (newest == INT64_MIN) return;

@@ -198,7 +198,7 @@ inline constexpr auto page_fields = rows({
 inline constexpr auto span_fields = rows({
     {0, Type::i64, "t0_ns", "ns", "its knot, on the source's clock"},
     {4, Type::u32, "cover_ticks", "",
-     "valid for 0 <= u <= cover_ticks; grows while it is the newest"},
+     "valid for 0 <= u < cover_ticks; grows while it is the newest"},
     {6, Type::f32, "c0_w", "m or 1", "value at the knot; 0 for a position"},
     {8, Type::f32, "c0_x", "m or 1", ""},
     {10, Type::f32, "c0_y", "m or 1", ""},
@@ -215,7 +215,7 @@ inline constexpr auto span_fields = rows({
     {32, Type::f32, "c3_x", "per tick^3", ""},
     {34, Type::f32, "c3_y", "per tick^3", ""},
     {36, Type::f32, "c3_z", "per tick^3", ""},
-    {38, Type::u16, "flags", "bits", "1: joins no span before it; 2: its end belongs to the next"},
+    {38, Type::u16, "flags", "bits", "1: joins no span before it"},
 });
 
 inline constexpr auto event_fields = rows({

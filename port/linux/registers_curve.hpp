@@ -14,8 +14,7 @@ enum class CurveChannel : std::uint8_t { orientation = 0, position = 1 };
 
 struct CurveSpan {
     CurveChannel channel{};
-    bool begins{};     // nothing joins it to the span before it
-    bool ends_open{};  // ends at a knot: t1 itself belongs to the span that follows
+    bool begins{};  // nothing joins it to the span before it
     std::int64_t t0_ns{};
     std::uint32_t tick_ns{1};
     std::uint32_t cover_ticks{};
@@ -24,9 +23,7 @@ struct CurveSpan {
     std::int64_t t1_ns() const noexcept {
         return t0_ns + std::int64_t{cover_ticks} * std::int64_t{tick_ns};
     }
-    bool covers(std::int64_t t_ns) const noexcept {
-        return t_ns >= t0_ns && (t_ns < t1_ns() || (t_ns == t1_ns() && !ends_open));
-    }
+    bool covers(std::int64_t t_ns) const noexcept { return t_ns >= t0_ns && t_ns < t1_ns(); }
 };
 
 namespace curve {
@@ -73,7 +70,7 @@ inline void put_span(std::uint16_t* at, const CurveSpan& span) noexcept {
     Writer writer{at, span_fields};
     writer.i64(span.t0_ns).u32(span.cover_ticks);
     for (const auto& power : span.c) writer.f32(power[0]).f32(power[1]).f32(power[2]).f32(power[3]);
-    writer.u16((span.begins ? 1u : 0u) | (span.ends_open ? 2u : 0u));
+    writer.u16(span.begins ? 1u : 0u);
 }
 
 inline CurveSpan get_span(const std::uint16_t* at, CurveChannel channel,
@@ -91,7 +88,6 @@ inline CurveSpan get_span(const std::uint16_t* at, CurveChannel channel,
         }
     }
     span.begins = (value[0] & 1u) != 0;
-    span.ends_open = (value[0] & 2u) != 0;
     return span;
 }
 

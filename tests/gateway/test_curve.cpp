@@ -151,7 +151,7 @@ TEST(Curve, APollerOfOnceASecondHasTheDecodersCurveBitForBit) {
         ASSERT_EQ(reader.poll(), PollResult::ok);
         const auto& o = decoder->orientation();
         const auto& p = decoder->position();
-        for (std::uint32_t u = 0; u <= o.cover_ticks; ++u) {
+        for (std::uint32_t u = 0; u < o.cover_ticks; ++u) {
             const std::int64_t t = o.curve.span.t0_ns + std::int64_t{u} * period_ns;
             const Quat q = value_at(o.curve, o.scale, decoder->tick_ns(), t);
             const CurveSpan* span = reader.covering(CurveChannel::orientation, t);
@@ -160,7 +160,7 @@ TEST(Curve, APollerOfOnceASecondHasTheDecodersCurveBitForBit) {
             ASSERT_EQ(std::memcmp(&q, &got, sizeof q), 0);
             ++compared;
         }
-        for (std::uint32_t u = 0; u <= p.cover_ticks; ++u) {
+        for (std::uint32_t u = 0; u < p.cover_ticks; ++u) {
             const std::int64_t t = p.curve.span.t0_ns + std::int64_t{u} * period_ns;
             const auto v = value_at(p.curve, p.scale, decoder->tick_ns(), t);
             const CurveSpan* span = reader.covering(CurveChannel::position, t);

@@ -38,7 +38,6 @@ CurveSpan span_number(unsigned n, CurveChannel channel) {
         for (unsigned d = 0; d < 4; ++d) span.c[m][d] = 0.1f * static_cast<float>(n + 10 * m + d);
     }
     span.begins = n % 7 == 0;
-    span.ends_open = n % 3 == 0;
     return span;
 }
 
@@ -188,7 +187,6 @@ TEST_F(UnitTableTest, HistoryPagesSayWhereTheyBelongAndCarryEveryBit) {
         EXPECT_EQ(got.cover_ticks, put.cover_ticks);
         EXPECT_EQ(got.c, put.c);
         EXPECT_EQ(got.begins, put.begins);
-        EXPECT_EQ(got.ends_open, put.ends_open);
     }
 }
 

@@ -27,7 +27,7 @@ struct Store {  // all pieces that a decoder has told, on the host
         bool begins;
     };
     std::vector<Piece> pieces;
-    std::vector<std::int64_t> covered;  // per piece: final up to here
+    std::vector<std::int64_t> covered;  // per piece: final before this
 
     void take(const wire::Link<Channel>& link, const Decoder::Update& update,
               std::uint32_t tick_ns) {
@@ -44,7 +44,7 @@ struct Store {  // all pieces that a decoder has told, on the host
             typename Channel::Value& value) const {
         for (std::size_t i = pieces.size(); i-- > 0;) {
             if (pieces[i].curve.span.t0_ns > t) continue;
-            if (t > covered[i]) return false;
+            if (t >= covered[i]) return false;
             value = value_at(pieces[i].curve, scale, tick_ns, t);
             return true;
         }

@@ -42,7 +42,7 @@ struct Batch {
     std::size_t size{0};
     std::array<Knot, MaxKnots> knot{};
     bool covers{false};
-    std::uint32_t cover_ticks{0};  // the curve is final up to here, after the last knot
+    std::uint32_t cover_ticks{0};  // the curve is final before this, after the last knot
 };
 
 /// Marks a knot that brings the curve to an exact stop: its jump is whatever that takes.
@@ -284,9 +284,10 @@ class Reducer {
             if (!resting() && records_ - samples_.record[k - 1] < goal) break;
         }
         if (k == 0) return false;
+        // the next tick after the last sample taken: samples stand at least a tick apart, so that
+        // the next one is not before it, and a knot may stand on it
         const std::int64_t past = samples_.t_ns[k - 1] - curve_.span.t0_ns;
-        const auto ticks =
-            static_cast<std::uint32_t>((past + params_.tick_ns - 1) / params_.tick_ns);
+        const auto ticks = static_cast<std::uint32_t>(past / params_.tick_ns) + 1;
         out_.covers = true;
         out_.cover_ticks = cover_ticks_ = ticks;
         samples_.drop(k);

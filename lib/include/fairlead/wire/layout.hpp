@@ -94,7 +94,7 @@ struct Link {
     typename Channel::Scale scale{};
     bool active{false};  // a curve has begun
     Curve<Channel> curve{};
-    std::uint32_t cover_ticks{0};  // final up to here, after the curve's last knot
+    std::uint32_t cover_ticks{0};  // final before this, after the curve's last knot
     Models models{};
 };
 
