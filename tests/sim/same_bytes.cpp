@@ -24,8 +24,7 @@ std::uint64_t hash_of(const sim::Recording& recording, float tol_m, float tol_ra
         Pipeline<Config>::Params{{}, Config::Filter{binomial_mask<9>()}, encoder});
     std::uint64_t hash = 14695981039346656037u;  // FNV-1a
     const auto take = [&](const Bytes& bytes) {
-        for (std::size_t i = 0; i < bytes.size; ++i)
-            hash = (hash ^ bytes.data[i]) * 1099511628211u;
+        for (std::size_t i = 0; i < bytes.size; ++i) hash = (hash ^ bytes.data[i]) * 1099511628211u;
         return !bytes.empty();
     };
     for (const Pose& pose : recording.poses) take(pipeline->push(pose));
