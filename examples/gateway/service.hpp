@@ -62,7 +62,6 @@ class Service : public port::RegisterBank {
     std::unique_ptr<port::ModbusTcpServer> tcp_;
     std::unique_ptr<port::ModbusRtuServer> rtu_;
     std::vector<std::uint16_t> ports_;
-    std::int64_t now_ns_{};
 };
 
 }  // namespace fairlead::gateway

@@ -129,8 +129,8 @@ class Sampler {
         if (!sample) return sample.status();
         batch.samples[0] = *sample;
         batch.count = 1;
-        const std::int64_t passed = sample->t_ns - last_ns_;
-        if (last_ns_ != no_edge && passed > imu_->period_ns() * 3 / 2) {
+        const std::int64_t passed = last_ns_ == no_edge ? 0 : sample->t_ns - last_ns_;
+        if (passed > imu_->period_ns() * 3 / 2) {
             batch.lost = static_cast<std::uint32_t>(std::min<std::int64_t>(
                 (passed + imu_->period_ns() / 2) / imu_->period_ns() - 1, UINT32_MAX));
             batch.samples[0].flags |= flag::gap_before;
