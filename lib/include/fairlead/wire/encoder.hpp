@@ -32,7 +32,7 @@ struct EncoderParams {
 };
 
 /// N: ring capacity in samples, the largest delay_max. Memory: sizeof. Work per push: `slice`
-/// search steps and at most one advance per channel.
+/// search steps, and at most max_frames advances per channel.
 template <std::size_t N>
 class Encoder {
   public:
