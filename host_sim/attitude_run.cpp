@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "fairlead/math/quat.hpp"
 #include "fairlead/sense/attitude.hpp"
 #include "fairlead/sense/attitude_gyro.hpp"
 #include "fairlead/sense/intake.hpp"
@@ -68,6 +69,12 @@ std::vector<Pose> run(const Recording& recording, const Delivered& in,
 
 }  // namespace
 
+AttitudeMode all_sensors(const Recording& recording) {
+    const auto has_field = [](const Sample& s) { return (s.flags & flag::mag_valid) != 0; };
+    const bool any = std::any_of(recording.samples.begin(), recording.samples.end(), has_field);
+    return any ? AttitudeMode::imu_mag : AttitudeMode::imu;
+}
+
 std::vector<Pose> run_attitude(const Recording& recording, AttitudeMode mode,
                                const AttitudeParams& params, const Conditions& conditions) {
     if (recording.samples.empty()) throw BadData(recording.name + ": holds no IMU samples");
@@ -78,6 +85,17 @@ std::vector<Pose> run_attitude(const Recording& recording, AttitudeMode mode,
         case AttitudeMode::imu_mag: break;
     }
     return run<Attitude>(recording, in, params);
+}
+
+OrientationError orientation_error(const Quat& estimate, const Quat& truth) {
+    const auto wide = [](const Quat& q) {
+        return BasicQuat<double>{static_cast<double>(q.w), static_cast<double>(q.x),
+                                 static_cast<double>(q.y), static_cast<double>(q.z)};
+    };
+    const BasicQuat<double> e = wide(estimate) * conj(wide(truth));
+    return {2 * std::acos(std::min(1.0, std::abs(e.w))),
+            2 * std::atan2(std::copysign(1.0, e.w) * e.z, std::abs(e.w)),
+            2 * std::acos(std::min(1.0, std::hypot(e.w, e.z)))};
 }
 
 Score score(const Recording& recording, const std::vector<Pose>& estimate, double from_s,
@@ -95,24 +113,15 @@ Score score(const Recording& recording, const std::vector<Pose>& estimate, doubl
         const bool moving = i < recording.moving.size() && recording.moving[i] != 0;
         if (!moving || (recording.truth[i].flags & flag::orientation_valid) == 0) continue;
         if (t_s < from_s || t_s >= to_s) continue;
-        const Quat &q = pose.q_wb, &r = recording.truth[i].q_wb;
-        const double qw = static_cast<double>(q.w), qx = static_cast<double>(q.x),
-                     qy = static_cast<double>(q.y), qz = static_cast<double>(q.z);
-        const double rw = static_cast<double>(r.w), rx = static_cast<double>(r.x),
-                     ry = static_cast<double>(r.y), rz = static_cast<double>(r.z);
-        const double w = qw * rw + qx * rx + qy * ry + qz * rz;
-        const double z = -qw * rz - qx * ry + qy * rx + qz * rw;
-        if (!std::isfinite(w) || !std::isfinite(z)) {
+        const OrientationError e = orientation_error(pose.q_wb, recording.truth[i].q_wb);
+        if (!std::isfinite(e.total + e.heading + e.inclination)) {
             ++out.not_finite;
             continue;
         }
-        const double total = 2 * std::acos(std::min(1.0, std::abs(w)));
-        const double heading = 2 * std::atan2(std::abs(z), std::abs(w));
-        const double inclination = 2 * std::acos(std::min(1.0, std::hypot(w, z)));
-        out.total_deg += total * total;
-        out.heading_deg += heading * heading;
-        out.inclination_deg += inclination * inclination;
-        out.worst_inclination_deg = std::max(out.worst_inclination_deg, rad_to_deg * inclination);
+        out.total_deg += e.total * e.total;
+        out.heading_deg += e.heading * e.heading;
+        out.inclination_deg += e.inclination * e.inclination;
+        out.worst_inclination_deg = std::max(out.worst_inclination_deg, rad_to_deg * e.inclination);
         ++out.count;
     }
     const auto n = static_cast<double>(std::max<std::size_t>(out.count, 1));

@@ -27,11 +27,20 @@ struct Conditions {
     std::function<void(Sample&, double t_s)> spoil;  // t_s: from the recording's start
 };
 
+/// imu_mag where any sample has a magnetometer reading, else imu.
+AttitudeMode all_sensors(const Recording& recording);
+
 /// One estimate per sample that reached the filter, at the recording's own time stamps. Samples
 /// pass an Intake first. No knowledge of the reference.
 std::vector<Pose> run_attitude(const Recording& recording, AttitudeMode mode,
                                const AttitudeParams& params = {},
                                const Conditions& conditions = {});
+
+/// e = estimate * conj(truth) in the world frame, taken apart as in Score; heading is signed. Rad.
+struct OrientationError {
+    double total{}, heading{}, inclination{};
+};
+OrientationError orientation_error(const Quat& estimate, const Quat& truth);
 
 struct Score {
     double total_deg{}, heading_deg{}, inclination_deg{};  // root mean squares

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "fairlead/pipeline.hpp"
+#include "fairlead/imu_pipeline.hpp"
 #include "host_sim/curve_store.hpp"
 #include "host_sim/filter_chain.hpp"
 #include "host_sim/progress.hpp"
@@ -14,7 +14,8 @@
 namespace fairlead::sim {
 namespace {
 
-constexpr std::size_t record_bytes = 36;  // a pose in float32 with time and validity, as in a .trk
+// in float32 with time and validity: a pose as in a .trk, an IMU's sensors as in an .imu
+constexpr std::size_t pose_bytes = 36, sensor_bytes = 12, time_bytes = 8;
 
 /// The filter of the pipeline, with an ear on what goes in and out. Memory is reserved beforehand.
 struct TappedFilter {
@@ -43,10 +44,10 @@ struct HostConfig : PipelineConfig {
 using HostPipeline = Pipeline<HostConfig>;
 
 /// A grid for the knots: half a period, and no coarser than the smallest step.
-std::uint32_t tick_for(const std::vector<Pose>& poses, double period_s) {
-    std::int64_t tick_ns = static_cast<std::int64_t>(period_s * 0.5e9);
-    for (std::size_t i = 1; i < poses.size(); ++i) {
-        const std::int64_t step_ns = poses[i].t_ns - poses[i - 1].t_ns;
+std::uint32_t tick_for(const Recording& recording) {
+    std::int64_t tick_ns = static_cast<std::int64_t>(recording.period_s * 0.5e9);
+    for (std::size_t i = 1; i < recording.size(); ++i) {
+        const std::int64_t step_ns = recording.t_ns(i) - recording.t_ns(i - 1);
         if (step_ns > 0) tick_ns = std::min(tick_ns, step_ns);
     }
     return static_cast<std::uint32_t>(std::clamp<std::int64_t>(tick_ns, 1000, 1000000000));
@@ -62,7 +63,7 @@ HostPipeline::Params parameters(const Recording& recording, const ReplayOptions&
     const auto tolerance = static_cast<float>(options.tol_pos_m);
     params.encoder.tol_position_m = {tolerance, tolerance, tolerance};
     params.encoder.tol_orientation_rad = static_cast<float>(options.tol_rot_rad);
-    params.encoder.tick_ns = tick_for(recording.poses, recording.period_s);
+    params.encoder.tick_ns = tick_for(recording);
     params.encoder.delay_max = options.delay_max;
     params.encoder.slice = options.slice;
     params.encoder.position = options.position;
@@ -86,28 +87,67 @@ Bytes sealed(Step step) {
     return step();
 }
 
-void run(const Recording& recording, const ReplayOptions& options, Replay& result) {
-    const std::size_t n = recording.poses.size();
-    result.raw.reserve(n);
-    result.input.reserve(n);
-    const auto pipeline = std::make_unique<HostPipeline>(parameters(recording, options, result));
-    result.filter_delay = parse_filters(options.filter).delay();
-    Progress progress{"replay", n};
-    for (const Pose& pose : recording.poses) {
-        take(sealed([&] { return pipeline->push(pose); }), result);
+/// Leads every record through the chain; `note` may look at it after each.
+template <class Chain, class Record, class Note>
+void feed(Chain& chain, const std::vector<Record>& records, Note note, Replay& result) {
+    Progress progress{"replay", records.size()};
+    for (const Record& record : records) {
+        take(sealed([&] { return chain.push(record); }), result);
+        note();
         result.bytes_after_record.push_back(result.stream.size());
         progress.show(result.bytes_after_record.size());
     }
     for (;;) {
-        const Bytes bytes = sealed([&] { return pipeline->flush(); });
+        const Bytes bytes = sealed([&] { return chain.flush(); });
         take(bytes, result);
         if (bytes.empty()) break;
     }
-    const FaultCounts& faults = pipeline->intake().faults();
+    const FaultCounts& faults = chain.intake().faults();
     for (std::size_t i = 0; i < fault_kinds; ++i) {
         const auto kind = static_cast<Fault>(i);
         result.faults.emplace_back(to_string(kind), static_cast<std::size_t>(faults[kind]));
     }
+}
+
+void run_poses(const Recording& recording, const HostPipeline::Params& params, Replay& result) {
+    const auto chain = std::make_unique<HostPipeline>(params);
+    result.bytes_per_record = pose_bytes;
+    feed(
+        *chain, recording.poses, [] {}, result);
+}
+
+template <AttitudeMode mode>
+void run_imu(const Recording& recording, const HostPipeline::Params& motion, Replay& result) {
+    using Chain = ImuPipeline<HostConfig, mode>;
+    typename Chain::Params params;
+    params.intake = motion.intake;
+    params.motion = motion;
+    const auto chain = std::make_unique<Chain>(params);
+    constexpr std::size_t sensors = mode == AttitudeMode::gyro  ? 1
+                                    : mode == AttitudeMode::imu ? 2
+                                                                : 3;
+    result.bytes_per_record = time_bytes + sensors * sensor_bytes;
+    AttitudeTrace& trace = result.attitude.emplace();
+    trace.mode = mode;
+    const auto note = [&] {
+        if (chain->pose()) trace.note(*chain->pose(), chain->orientation());
+    };
+    feed(*chain, recording.samples, note, result);
+    add_errors(trace, recording, result.raw);
+}
+
+void run(const Recording& recording, const ReplayOptions& options, Replay& result) {
+    result.raw.reserve(recording.size());
+    result.input.reserve(recording.size());
+    result.filter_delay = parse_filters(options.filter).delay();
+    const auto params = parameters(recording, options, result);
+    if (recording.samples.empty()) return run_poses(recording, params, result);
+    switch (options.mode.value_or(all_sensors(recording))) {
+        case AttitudeMode::gyro: return run_imu<AttitudeMode::gyro>(recording, params, result);
+        case AttitudeMode::imu: return run_imu<AttitudeMode::imu>(recording, params, result);
+        case AttitudeMode::imu_mag: break;
+    }
+    run_imu<AttitudeMode::imu_mag>(recording, params, result);
 }
 
 double distance(const Vec3& a, const Vec3& b) {  // per axis, in double
@@ -279,15 +319,24 @@ IntakeParams intake_params(const Recording& recording) {
 }
 
 Replay replay(const Recording& recording, const ReplayOptions& options) {
-    const auto& poses = poses_of(recording);
     Replay result;
     result.name = recording.name;
     result.options = options;
-    result.records_in = poses.size();
-    result.bytes_in = record_bytes * poses.size();
-    result.seconds = static_cast<double>(poses.back().t_ns - poses.front().t_ns) * 1e-9;
-    run(recording, options, result);
+    if (!recording.samples.empty()) result.options.position = false;
+    result.records_in = recording.size();
+    if (recording.size() > 0)
+        result.seconds =
+            static_cast<double>(recording.t_ns(recording.size() - 1) - recording.t_ns(0)) * 1e-9;
+    run(recording, result.options, result);
+    result.bytes_in = result.bytes_per_record * result.records_in;
     judge(result);
+    if (result.attitude && result.attitude->has_truth) {
+        result.attitude->estimate = score(recording, result.raw);
+        std::vector<Pose> curve;
+        for (const Pose& pose : result.decoded)
+            if ((pose.flags & flag::orientation_valid) != 0) curve.push_back(pose);
+        result.attitude->curve = score(recording, curve);
+    }
     return result;
 }
 

@@ -2,12 +2,14 @@
 // What a replay of a recording through the library brought to light: the reduced curve beside what
 // went in, judged in double from the emitted bytes alone, as a decoder on the far end has them.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "fairlead/math/approx.hpp"
 #include "fairlead/sense/intake.hpp"
+#include "host_sim/attitude_trace.hpp"
 #include "host_sim/stream.hpp"
 
 namespace fairlead::sim {
@@ -22,6 +24,7 @@ struct ReplayOptions {
     std::uint32_t delay_max{120};
     std::uint32_t slice{slice_medium};       // search steps per record and channel
     bool position{true}, orientation{true};  // channels that are reduced
+    std::optional<AttitudeMode> mode;        // of an IMU; empty: all of its sensors
 };
 
 /// One channel, judged at every accepted record in which it is valid.
@@ -46,8 +49,9 @@ struct Replay {
     std::string name;
     ReplayOptions options;
     double seconds{};
-    std::size_t records_in{}, bytes_in{};
-    std::vector<Pose> raw;                        // accepted by Intake
+    std::size_t records_in{}, bytes_per_record{}, bytes_in{};
+    std::optional<AttitudeTrace> attitude;        // of an IMU
+    std::vector<Pose> raw;                        // accepted by Intake; of an IMU: its orientation
     std::vector<Pose> input;                      // what the reducer was given: raw, or filtered
     std::vector<Pose> decoded;                    // the curve of the stream at the times of `input`
     std::string stream;                           // the emitted bytes
@@ -63,8 +67,8 @@ IntakeParams intake_params(const Recording& recording);
 
 inline constexpr std::uint32_t delay_most = 256;  // of --max-delay: the capacity of the rings
 
-/// Runs the recording's poses through the pipeline, with the heap sealed, then judges the bytes.
-/// Throws BadSpec (filter), BadData (an IMU alone).
+/// Runs the recording's poses, or an IMU's samples, through the pipeline, with the heap sealed,
+/// then judges the bytes. An IMU has no position channel. Throws BadSpec (filter).
 Replay replay(const Recording& recording, const ReplayOptions& options);
 
 }  // namespace fairlead::sim

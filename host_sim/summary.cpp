@@ -30,7 +30,30 @@ Row row(const Replay& replay, const char* name, Format format) {
             per_channel(replay.orientation, format(replay.orientation)), false};
 }
 
+/// What of a score the mode can know: heading and the whole only with a magnetometer.
+std::string score_text(const Score& score, AttitudeMode mode) {
+    if (mode == AttitudeMode::imu) return text("inclination %.2f deg", score.inclination_deg);
+    return text("%.2f deg; heading %.2f, inclination %.2f", score.total_deg, score.heading_deg,
+                score.inclination_deg);
+}
+
+void add_attitude_rows(std::vector<Row>& rows, const AttitudeTrace& trace) {
+    rows.push_back({"orientation from", to_string(trace.mode), "", true});
+    if (trace.mode == AttitudeMode::gyro || trace.estimate.count == 0) return;
+    rows.push_back({"rms error of estimate", score_text(trace.estimate, trace.mode), "", true});
+    rows.push_back({"rms error of curve", score_text(trace.curve, trace.mode), "", true});
+}
+
 }  // namespace
+
+const char* to_string(AttitudeMode mode) {
+    switch (mode) {
+        case AttitudeMode::gyro: return "gyro";
+        case AttitudeMode::imu: return "gyro, accelerometer";
+        case AttitudeMode::imu_mag: break;
+    }
+    return "gyro, accelerometer, magnetometer";
+}
 
 std::string grouped(std::size_t n) {
     std::string digits = std::to_string(n);
@@ -48,7 +71,7 @@ std::string faults_text(const Replay& replay) {
 std::vector<Row> summary_rows(const Replay& replay) {
     const auto& o = replay.options;
     std::vector<Row> rows;
-    const auto whole = [&](const char* name, const std::string& value) {
+    const auto whole = [&](const std::string& name, const std::string& value) {
         rows.push_back({name, value, "", true});
     };
     const auto both = [&](const char* name, const std::string& p, const std::string& r) {
@@ -58,6 +81,7 @@ std::vector<Row> summary_rows(const Replay& replay) {
     const ChannelResult &p = replay.position, &r = replay.orientation;
     whole("records in", grouped(replay.records_in) + text(" in %.1f s", replay.seconds));
     whole("faults", faults_text(replay));
+    if (replay.attitude) add_attitude_rows(rows, *replay.attitude);
     if (!o.filter.empty())
         whole("filter", o.filter + text(", %zu records of latency", replay.filter_delay));
     rows.push_back(row(replay, "samples", [](const auto& c) { return grouped(c.samples); }));
@@ -82,7 +106,7 @@ std::vector<Row> summary_rows(const Replay& replay) {
     const double ratio = replay.stream.empty() ? 0
                                                : static_cast<double>(replay.bytes_in) /
                                                      static_cast<double>(replay.stream.size());
-    whole("bytes in, 36 a record", grouped(replay.bytes_in));
+    whole(text("bytes in, %zu a record", replay.bytes_per_record), grouped(replay.bytes_in));
     whole("bytes out, in all", grouped(replay.stream.size()) + text(", %.1f times fewer", ratio));
     return rows;
 }

@@ -18,6 +18,9 @@ std::string summary_table(const Replay& replay);  // plain text
 /// {"samples":, "bytes":, "position": {...}, "orientation": {...}}, the channels that are reduced.
 std::string summary_json(const Replay& replay);
 
+/// The sensors that the orientation is made of, in words.
+const char* to_string(AttitudeMode mode);
+
 /// "none", or "3 not finite, 1 gap".
 std::string faults_text(const Replay& replay);
 

@@ -144,14 +144,12 @@ Honesty honesty(const Recording& recording) {
         const bool counts =
             recording.moving[i] != 0 && (recording.truth[i].flags & flag::orientation_valid) != 0;
         if (!pose || !counts) continue;
-        const Quat e = pose->q_wb * conj(recording.truth[i].q_wb);
-        const double w = static_cast<double>(e.w), z = static_cast<double>(e.z);
-        const double tilt = 2 * std::acos(std::min(1.0, std::hypot(w, z)));
-        const double turn = 2 * std::atan2(std::abs(z), std::abs(w));
+        const OrientationError e = orientation_error(pose->q_wb, recording.truth[i].q_wb);
         const double si = static_cast<double>(filter.inclination_sigma());
         const double sh = static_cast<double>(filter.heading_sigma());
-        inclination += tilt * tilt / (si * si);  // si^2: the sum of both axes' variances
-        heading += turn * turn / (sh * sh);
+        inclination +=
+            e.inclination * e.inclination / (si * si);  // si^2: the sum of both axes' variances
+        heading += e.heading * e.heading / (sh * sh);
         ++n;
     }
     const auto by = static_cast<double>(std::max<std::size_t>(n, 1));

@@ -1,6 +1,5 @@
 // fairlead-sim attitude IN --out EST.csv: the orientation that the board would have computed.
 #include <CLI/CLI.hpp>
-#include <map>
 #include <memory>
 
 #include "host_sim/attitude_run.hpp"
@@ -13,7 +12,7 @@ namespace {
 struct Options {
     InputOptions input;
     std::string out;
-    AttitudeMode mode{AttitudeMode::imu_mag};
+    std::optional<AttitudeMode> mode;
     std::vector<double> drop;
     double rate_error_percent{0};
     Conditions conditions;
@@ -30,8 +29,8 @@ void run(Options options) {
     }
     options.conditions.rate_error = options.rate_error_percent / 100;
     const Recording recording = options.input.read();
-    const auto estimate =
-        run_attitude(recording, options.mode, AttitudeParams{}, options.conditions);
+    const auto estimate = run_attitude(recording, options.mode.value_or(all_sensors(recording)),
+                                       AttitudeParams{}, options.conditions);
     write_bytes(options.out, to_estimate_csv(estimate));
 }
 
@@ -41,13 +40,7 @@ void add_attitude(CLI::App& app) {
     auto* command = app.add_subcommand("attitude", "Estimate orientation from an IMU recording");
     auto o = std::make_shared<Options>();
     o->input.add_to(*command);
-    const std::map<std::string, AttitudeMode> modes{
-        {"3d", AttitudeMode::gyro}, {"6d", AttitudeMode::imu}, {"9d", AttitudeMode::imu_mag}};
-    command
-        ->add_option("--mode", o->mode,
-                     "3d: gyro; 6d: and accelerometer; 9d: and magnetometer (the default)")
-        ->transform(CLI::CheckedTransformer(modes, CLI::ignore_case))
-        ->default_str("9d");
+    add_mode(*command, o->mode);
     command
         ->add_option("--drop", o->drop, "RATE,BURST,SEED: lose this share of the samples, in runs")
         ->delimiter(',')

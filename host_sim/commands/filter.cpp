@@ -1,8 +1,11 @@
 // fairlead-sim filter IN --filter SPEC --out OUT.csv: intake and filter alone.
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "fairlead/sense/intake.hpp"
+#include "host_sim/attitude_run.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/filter_chain.hpp"
@@ -13,15 +16,22 @@ namespace {
 
 struct Options {
     InputOptions input;
+    std::optional<AttitudeMode> mode;
     std::string filter, out;
 };
+
+/// The recording's own, or what the attitude filter makes of an IMU.
+std::vector<Pose> poses_to_filter(const Recording& recording, const Options& options) {
+    if (recording.samples.empty()) return recording.poses;
+    return run_attitude(recording, options.mode.value_or(all_sensors(recording)));
+}
 
 void run(const Options& options) {
     const auto chain = std::make_unique<FilterChain>(parse_filters(options.filter));
     const Recording recording = options.input.read();
     Intake<Pose> intake{intake_params(recording)};
     std::vector<Pose> filtered;
-    for (const Pose& raw : poses_of(recording)) {
+    for (const Pose& raw : poses_to_filter(recording, options)) {
         const auto pose = intake.push(raw);
         if (!pose) continue;
         if (const auto out = chain->push(*pose)) filtered.push_back(*out);
@@ -38,9 +48,11 @@ void run(const Options& options) {
 }  // namespace
 
 void add_filter(CLI::App& app) {
-    auto* command = app.add_subcommand("filter", "Filter a recording, and nothing else");
+    auto* command = app.add_subcommand(
+        "filter", "Filter a recording, of an IMU its orientation, and nothing else");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
+    add_mode(*command, options->mode);
     command->add_option("--filter", options->filter, "Filters, see below")->required();
     command->add_option("--out", options->out, "Pose CSV to write")->required();
     command->footer(filter_help);

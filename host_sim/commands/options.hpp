@@ -2,6 +2,8 @@
 // Options that several subcommands share.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "host_sim/replay.hpp"
@@ -77,6 +79,17 @@ inline void add_tolerances(CLI::App& command, ReplayOptions& options, bool must_
             "Work per record: more finds fewer knots, never another guarantee")
         ->check(CLI::IsMember({"small", "medium", "large"}))
         ->default_str("medium");
+}
+
+/// --mode: which of an IMU's sensors the orientation is made of. Empty: all it has.
+inline void add_mode(CLI::App& command, std::optional<AttitudeMode>& mode) {
+    const std::map<std::string, AttitudeMode> modes{
+        {"3d", AttitudeMode::gyro}, {"6d", AttitudeMode::imu}, {"9d", AttitudeMode::imu_mag}};
+    command
+        .add_option("--mode", mode,
+                    "Of an IMU, 3d: gyro; 6d: and accelerometer; 9d: and magnetometer; "
+                    "default: all that it has")
+        ->transform(CLI::CheckedTransformer(modes, CLI::ignore_case));
 }
 
 /// The reduction promises a bound; should it ever not hold, that is an error.

@@ -17,10 +17,10 @@ struct Options {
     bool json{false};
 };
 
-std::string trace_csv(const std::vector<Pose>& poses, const Replay& result) {
+std::string trace_csv(const Recording& recording, const Replay& result) {
     std::string csv = "index,t_ns,bytes\n";
-    for (std::size_t i = 0; i < poses.size(); ++i)
-        csv += std::to_string(i) + "," + std::to_string(poses[i].t_ns) + "," +
+    for (std::size_t i = 0; i < recording.size(); ++i)
+        csv += std::to_string(i) + "," + std::to_string(recording.t_ns(i)) + "," +
                std::to_string(result.bytes_after_record[i]) + "\n";
     return csv;
 }
@@ -29,12 +29,14 @@ void run(Options& options) {
     ReplayOptions& o = options.replay;
     o.position = options.channel != "orientation";
     o.orientation = options.channel != "position";
-    if ((o.position && !(o.tol_pos_m > 0)) || (o.orientation && !(o.tol_rot_rad > 0)))
-        throw BadSpec("reduce needs --tol-pos for positions and --tol-rot for orientations");
     const Recording recording = options.input.read();
+    const bool imu = !recording.samples.empty();
+    if (imu && !o.orientation) throw BadSpec("an IMU gives orientations, no positions");
+    if ((o.position && !imu && !(o.tol_pos_m > 0)) || (o.orientation && !(o.tol_rot_rad > 0)))
+        throw BadSpec("reduce needs --tol-pos for positions and --tol-rot for orientations");
     const Replay result = replay(recording, o);
     write_bytes(options.out, result.stream);
-    if (!options.trace.empty()) write_bytes(options.trace, trace_csv(recording.poses, result));
+    if (!options.trace.empty()) write_bytes(options.trace, trace_csv(recording, result));
     std::fputs((options.json ? summary_json(result) : summary_table(result)).c_str(), stdout);
     check_guarantee(result);
 }
@@ -46,6 +48,7 @@ void add_reduce(CLI::App& app) {
         app.add_subcommand("reduce", "Reduce a recording to a stream of few knots, unfiltered");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
+    add_mode(*command, options->replay.mode);
     add_tolerances(*command, options->replay, true);
     command->add_option("--channel", options->channel, "What to reduce")
         ->check(CLI::IsMember({"position", "orientation", "both"}))

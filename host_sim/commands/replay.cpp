@@ -41,11 +41,13 @@ void run(const Options& options) {
 }  // namespace
 
 void add_replay(CLI::App& app) {
-    auto* command = app.add_subcommand(
-        "replay", "Run a recording through the whole pipeline: intake, filter, reduce, codec");
+    auto* command = app.add_subcommand("replay",
+                                       "Run a recording through the whole pipeline: intake, "
+                                       "attitude of an IMU, filter, reduce, codec");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
     command->add_option("--filter", options->replay.filter, "Filters, see below; default: none");
+    add_mode(*command, options->replay.mode);
     add_tolerances(*command, options->replay, false);
     command->add_option("--out", options->out,
                         "Folder for filtered.tum, stream.flr and report.html");

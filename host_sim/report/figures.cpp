@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "fairlead/math/quat.hpp"
+#include "host_sim/report/attitude_figures.hpp"
+#include "host_sim/report/chart.hpp"
 
 namespace fairlead::sim {
 namespace {
 
-constexpr std::size_t buckets = 700;  // of a figure 900 pixels wide
 constexpr double deg = 180 / pi_v<double>;
 constexpr double none = NAN;
-const char* const raw_colour = "#a9b1bc";
-const char* const limit_colour = "#d9534f";
-const char* const knot_colour = "#7c6fd0";
-const std::array<const char*, 4> colours{"#2f7ed8", "#e0803a", "#2fa57c", "#b45fb0"};
 
 double d(float x) { return static_cast<double>(x); }
 
@@ -28,42 +24,6 @@ double component(const Pose& pose, std::size_t i) {  // 0..2: position, 3..6: qu
 
 std::uint32_t channel_of(std::size_t component_index) {
     return component_index < 3 ? flag::position_valid : flag::orientation_valid;
-}
-
-struct TimeAxis {
-    std::int64_t start_ns{};
-    double period_s{}, end_s{};
-    double s(std::int64_t t_ns) const { return static_cast<double>(t_ns - start_ns) * 1e-9; }
-};
-
-TimeAxis time_axis(const Replay& replay) {
-    TimeAxis axis;
-    if (replay.input.empty()) return axis;
-    axis.start_ns = replay.input.front().t_ns;
-    axis.end_s = axis.s(replay.input.back().t_ns);
-    axis.period_s =
-        axis.end_s / static_cast<double>(std::max<std::size_t>(replay.input.size(), 2) - 1);
-    if (!(axis.end_s > 0)) axis.end_s = 1;
-    return axis;
-}
-
-using Value = std::function<double(std::size_t)>;  // of record i; NaN: none
-
-/// A line over the poses' times; broken where records are missing.
-Series series(const std::vector<Pose>& poses, const TimeAxis& axis, const Value& value) {
-    Series out;
-    double last_s = 0;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-        const double t_s = axis.s(poses[i].t_ns);
-        if (i > 0 && t_s - last_s > 2.5 * axis.period_s) {
-            out.x.push_back((t_s + last_s) / 2);
-            out.y.push_back(none);
-        }
-        out.x.push_back(t_s);
-        out.y.push_back(value(i));
-        last_s = t_s;
-    }
-    return out;
 }
 
 Series component_series(const std::vector<Pose>& poses, const TimeAxis& axis, std::size_t i,
@@ -88,41 +48,10 @@ void align(Series& series, const Series& to) {
         for (double& y : series.y) y = -y;
 }
 
-Series styled(Series s, const char* legend, const char* colour, double width,
-              Series::Style style = Series::Style::line) {
-    s.legend = legend;
-    s.colour = colour;
-    s.width = width;
-    s.style = style;
-    return s;
-}
-
 Series knots(const ChannelResult& channel, const TimeAxis& axis) {
     Series s = styled({}, "knots", knot_colour, 0.8, Series::Style::rug);
     for (const std::int64_t t_ns : channel.knot_ns) s.x.push_back(axis.s(t_ns));
     return s;
-}
-
-Series level(double y, const TimeAxis& axis, const char* legend) {
-    Series s = styled({}, legend, limit_colour, 1.2, Series::Style::dashed);
-    s.x = {0, axis.end_s};
-    s.y = {y, y};
-    return s;
-}
-
-Figure framed(const char* id, const char* title, const char* y_label, const char* caption,
-              const TimeAxis& axis) {
-    Figure figure;
-    figure.id = id;
-    figure.title = title;
-    figure.y_label = y_label;
-    figure.caption = caption;
-    figure.x_max = axis.end_s;
-    return figure;
-}
-
-void add(Figure& figure, const Series& s) {
-    figure.series.push_back(thinned(s, figure.x_min, figure.x_max, buckets));
 }
 
 /// Before and after, component by component, with the knots on the time axis.
@@ -135,6 +64,7 @@ Figure course(const Replay& replay, const TimeAxis& axis, bool position) {
                      axis)
             : framed("orientation", "Orientation, before and after", "quaternion",
                      "The four components of the unit quaternion that takes body to world.", axis);
+    const char* source = replay.attitude ? "estimate" : "sensor";
     const std::array<const char*, 7> names{"x", "y", "z", "w", "x", "y", "z"};
     const std::size_t first = position ? 0 : 3, end = position ? 3 : 7;
     std::vector<Series> after;
@@ -142,7 +72,7 @@ Figure course(const Replay& replay, const TimeAxis& axis, bool position) {
         const Series before = component_series(replay.raw, axis, i, 1);
         Series curve = component_series(replay.decoded, axis, i, 1);
         if (!position) align(curve, before);
-        add(figure, styled(before, i == first ? "sensor" : "", raw_colour, 2.6));
+        add(figure, styled(before, i == first ? source : "", raw_colour, 2.6));
         after.push_back(styled(curve, names[i], colours[i - first], 1.2));
     }
     for (const Series& s : after) add(figure, s);
@@ -281,7 +211,8 @@ Figure accelerations(const Replay& replay, const TimeAxis& axis) {
                "Second differences of the orientation at the sample times: what a motor "
                "or an eye would feel.",
                axis);
-    add(figure, styled(angular_acceleration(replay.raw, axis), "sensor", raw_colour, 1));
+    add(figure, styled(angular_acceleration(replay.raw, axis),
+                       replay.attitude ? "estimate" : "sensor", raw_colour, 1));
     add(figure, styled(angular_acceleration(replay.decoded, axis), "curve", colours[0], 1));
     figure.log_y = true;
     double low = INFINITY, high = 0;
@@ -296,7 +227,7 @@ Figure accelerations(const Replay& replay, const TimeAxis& axis) {
 }  // namespace
 
 std::vector<Figure> figures_of(const Replay& replay) {
-    const TimeAxis axis = time_axis(replay);
+    const TimeAxis axis{replay.input};
     const bool position = replay.position.samples > 0, orientation = replay.orientation.samples > 0;
     std::vector<Figure> figures;
     for (const bool p : {true, false}) {
@@ -305,6 +236,7 @@ std::vector<Figure> figures_of(const Replay& replay) {
         figures.push_back(close_up(replay, axis, p));
         figures.push_back(errors(replay, axis, p));
     }
+    if (replay.attitude) append_attitude_figures(figures, *replay.attitude, axis);
     figures.push_back(delays(replay, axis));
     if (orientation) figures.push_back(accelerations(replay, axis));
     return figures;

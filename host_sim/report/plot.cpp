@@ -113,6 +113,9 @@ void append_figure(std::string& script, const Figure& figure, const fs::path& ou
     append(script, "set xrange [%.9g:%.9g]\nset format x '%%g s'\n", figure.x_min, figure.x_max);
     append(script, "set ylabel '%s' offset 1 textcolor rgb '#808691'\n", figure.y_label.c_str());
     if (figure.log_y) script += "set logscale y\nset format y '10^{%L}'\n";
+    for (std::size_t i = 0; i < figure.rows.size(); ++i)
+        append(script, "set ytics %s ('%s' %zu)\n", i == 0 ? "" : "add", figure.rows[i].c_str(),
+               i + 1);
     append_range(script, figure);
     for (std::size_t i = 0; i < figure.series.size(); ++i) append_data(script, figure.series[i], i);
     script += "plot ";

@@ -20,7 +20,8 @@ struct Figure {
     std::string title, y_label, caption;
     std::vector<Series> series;
     double x_min{}, x_max{};
-    double y_min{}, y_max{};  // equal: gnuplot chooses
+    double y_min{}, y_max{};        // equal: gnuplot chooses
+    std::vector<std::string> rows;  // names of y = 1, 2, ... where y is no number
     bool log_y{false};
     int height{230};
 };

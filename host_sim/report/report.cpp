@@ -83,6 +83,16 @@ void card(std::string& page, const std::string& name, const std::string& value,
             value + "</div><div class=\"note\">" + note + "</div></div>\n";
 }
 
+void attitude_card(std::string& page, const AttitudeTrace& trace) {
+    const Score& s = trace.estimate;
+    if (s.count == 0 || trace.mode == AttitudeMode::gyro) return;
+    const bool whole = trace.mode == AttitudeMode::imu_mag;
+    card(page, "Estimate against reference",
+         format("%.2f°", whole ? s.total_deg : s.inclination_deg),
+         whole ? format("rms; heading %.2f°, inclination %.2f°", s.heading_deg, s.inclination_deg)
+               : "rms of the inclination");
+}
+
 void cards(std::string& page, const Replay& replay) {
     const auto& p = replay.position;
     const auto& r = replay.orientation;
@@ -98,6 +108,7 @@ void cards(std::string& page, const Replay& replay) {
     if (r.samples > 0)
         card(page, "Orientation", format("%.3f°", r.max_error * deg),
              "largest error; tolerance " + format("%.4g°", replay.options.tol_rot_rad * deg));
+    if (replay.attitude) attitude_card(page, *replay.attitude);
     card(page, "Largest delay", format("%u records", std::max(p.max_delay, r.max_delay)),
          format("%.0f ms", std::max(p.max_delay_ms, r.max_delay_ms)) +
              format("; allowed %u records", replay.options.delay_max));
@@ -108,6 +119,8 @@ void lead(std::string& page, const Replay& replay) {
     const std::size_t outside = replay.position.violations + replay.orientation.violations;
     page += "<p class=\"lead\">" + grouped(replay.records_in) + " records, " +
             format("%.1f s. ", replay.seconds);
+    if (replay.attitude)
+        page += std::string("Orientation from ") + to_string(replay.attitude->mode) + ". ";
     if (!replay.options.filter.empty())
         page += "Filtered by <b>" + escaped(replay.options.filter) + "</b>. ";
     page += outside == 0 ? "<b class=\"good\">Every sample lies within tolerance</b> of the curve "

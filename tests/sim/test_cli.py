@@ -66,13 +66,6 @@ def test_bad_data_exits_1_with_the_place(folder):
     expect(1, "replay", trk, "--out", "/proc/none", says="/proc/none")
 
 
-def test_an_imu_alone_needs_the_attitude_stage(folder):
-    imu = generated(folder, "in.imu", "model:lsm6dso+rest:1+turn:1")
-    for command in (["replay", imu], ["filter", imu, "--filter", "hs:1", "--out", folder / "x"],
-                    ["reduce", imu, "--tol-pos", 1, "--tol-rot", 1, "--out", folder / "x"]):
-        expect(1, *command, says="attitude stage")
-
-
 def test_generate_is_the_same_for_the_same_seed(folder):
     a, b, c = folder / "a.trk", folder / "b.trk", folder / "c.trk"
     for path, seed in ((a, 5), (b, 5), (c, 6)):

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "fairlead/math/quat.hpp"
+#include "host_sim/attitude_run.hpp"
 #include "host_sim/curve_store.hpp"
 #include "host_sim/faults.hpp"
 #include "host_sim/generate.hpp"
@@ -72,8 +74,48 @@ TEST(Replay, CountsFaultsAndGoesOn) {
         EXPECT_NE(faults.find(kind), std::string::npos) << faults;
 }
 
-TEST(Replay, AnImuAloneIsRefused) {
-    EXPECT_THROW(replay(generate("model:mpu6050+rest:1", 1), {}), BadData);
+// The pipeline of a board: what enters the reducer is what the attitude filter says.
+TEST(Replay, AnImuRunsThroughTheAttitudeFilter) {
+    const Recording recording =
+        generate("model:icm42688p+rest:3+turn:2:3+gap:0.2+turn:2+rest:1", 7);
+    for (const auto mode : {AttitudeMode::gyro, AttitudeMode::imu, AttitudeMode::imu_mag}) {
+        SCOPED_TRACE(static_cast<int>(mode));
+        ReplayOptions options;
+        options.mode = mode;
+        const Replay r = replay(recording, options);
+        const auto expected = run_attitude(recording, mode);
+        ASSERT_EQ(r.raw.size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            ASSERT_EQ(r.raw[i].t_ns, expected[i].t_ns);
+            ASSERT_LT(rotation_angle(r.raw[i].q_wb, expected[i].q_wb), 1e-6f) << i;
+        }
+        EXPECT_EQ(r.position.samples, 0u);
+        EXPECT_EQ(r.orientation.samples, recording.size());
+        EXPECT_EQ(r.orientation.violations + r.orientation.changed, 0u);
+        EXPECT_LE(r.orientation.max_error, r.options.tol_rot_rad);
+        EXPECT_EQ(r.orientation.curves, 2u) << "the gap starts a new curve";
+        EXPECT_EQ(r.bytes_after_record.size(), recording.size());
+        ASSERT_TRUE(r.attitude);
+        EXPECT_EQ(r.attitude->points.size(), recording.size());
+        EXPECT_EQ(std::isnan(r.attitude->points.back().heading_sigma),
+                  mode != AttitudeMode::imu_mag);
+    }
+}
+
+TEST(Replay, TellsTheErrorOfAnImuFromItsReference) {
+    const Recording recording = generate("model:icm42688p+rest:4+turn:2:3+rest:1", 3);
+    ReplayOptions options;
+    for (const auto mode : {AttitudeMode::imu_mag, AttitudeMode::imu, AttitudeMode::gyro}) {
+        SCOPED_TRACE(static_cast<int>(mode));
+        options.mode = mode;
+        const Replay r = replay(recording, options);
+        ASSERT_TRUE(r.attitude && r.attitude->has_truth);
+        const AttitudePoint& last = r.attitude->points.back();
+        EXPECT_LT(std::abs(last.turn_error), 0.1);
+        EXPECT_LT(std::abs(last.heading_error), 0.1);
+        EXPECT_LT(last.inclination_error, 0.06);
+        EXPECT_GE(last.turn_error + 1e-9, std::abs(last.heading_error));
+    }
 }
 
 TEST(CurveStore, TakesBytesInAnyPortions) {

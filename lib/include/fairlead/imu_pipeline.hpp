@@ -4,6 +4,7 @@
 // position.
 #include "fairlead/pipeline.hpp"
 #include "fairlead/sense/attitude.hpp"
+#include "fairlead/sense/attitude_gyro.hpp"
 #include "fairlead/sense/calibrate.hpp"
 
 namespace fairlead {

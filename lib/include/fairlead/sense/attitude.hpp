@@ -23,6 +23,7 @@ namespace fairlead {
 
 template <class Real = float, AttitudeMode mode = AttitudeMode::imu_mag>
 class BasicAttitude {
+    static_assert(mode != AttitudeMode::gyro, "include fairlead/sense/attitude_gyro.hpp");
     using Kalman = KalmanStep<Real, mode>;
     using Vector = BasicVec3<Real>;
     using Rotation = BasicQuat<Real>;
