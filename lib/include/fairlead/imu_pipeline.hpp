@@ -33,9 +33,16 @@ class ImuPipeline {
     Bytes push(const Sample& raw) noexcept {
         pose_.reset();
         const auto sample = intake_.push(raw);
-        if (!sample) return {};
+        if (!sample) return motion_.idle();
         pose_ = orientation_.push(calibrate_(*sample));
-        return pose_ ? motion_.push(*pose_) : Bytes{};
+        return pose_ ? motion_.push(*pose_) : motion_.idle();
+    }
+
+    /// As Pipeline::push_event() and idle().
+    bool push_event(const Event& event) noexcept { return motion_.push_event(event); }
+    Bytes idle() noexcept {
+        pose_.reset();
+        return motion_.idle();
     }
 
     /// Lets out what is still inside. @return frames; call until there are none.

@@ -1,5 +1,7 @@
 #pragma once
-// The whole way of the data as one type: intake -> filter -> reduce -> codec.
+// The whole way of the data as one type: intake -> filter -> reduce -> codec. Discrete events enter
+// beside the poses and keep their exact times: no filter's latency shifts them against the motion,
+// for a filter stamps what it emits with the time at which that was true.
 //
 // The firmware, the gateway and the host simulator run this very type. All memory is in the object;
 // work per push is bounded by the configuration (BOUNDS.md).
@@ -24,13 +26,14 @@ struct NoFilter {
 struct PipelineConfig {
     using Filter = NoFilter;
     static constexpr std::size_t window = 64;  // ring capacity of the reducers, in records
+    static constexpr std::size_t events = 8;   // discrete events that may wait for a record
 };
 
 template <class Config>
 class Pipeline {
   public:
     using Filter = typename Config::Filter;
-    using Encoding = Encoder<Config::window>;
+    using Encoding = Encoder<Config::window, Config::events>;
     struct Params {
         IntakeParams intake{};
         Filter filter{};
@@ -44,10 +47,19 @@ class Pipeline {
     /// call.
     Bytes push(const Pose& raw) noexcept {
         filtered_.reset();
-        const auto pose = intake_.push(raw);
-        if (!pose) return {};
-        filtered_ = filter_.push(*pose);
-        return filtered_ ? encoder_.push(*filtered_) : Bytes{};
+        if (const auto pose = intake_.push(raw)) filtered_ = filter_.push(*pose);
+        return filtered_ ? encoder_.push(*filtered_) : encoder_.idle();
+    }
+
+    /// A change on a discrete channel; any order of times. Its frame is among those of the next
+    /// push(), idle() or flush(), or at most event_delay_max of them later.
+    /// @return false: the queue is full, and the event is not taken.
+    bool push_event(const Event& event) noexcept { return encoder_.push_event(event); }
+
+    /// Instead of push(), where no record came in its time: lets out events alone.
+    Bytes idle() noexcept {
+        filtered_.reset();
+        return encoder_.idle();
     }
 
     /// Lets out what is still inside. @return frames; call until there are none.

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <utility>
+#include <vector>
 
 #include "port/linux/button.hpp"
 #include "port/linux/clock.hpp"
@@ -145,6 +146,41 @@ TEST(Button, ActiveLowContacts) {
     const auto press = button.push({100 * ms, false});
     ASSERT_TRUE(press);
     EXPECT_TRUE(press->on);
+}
+
+TEST_F(Gpio, AContactIsADiscreteChannel) {
+    ASSERT_EQ(edges.open("/dev/gpiochip0", 3, EdgeKind::both), Status::ok);
+    Contact contact{edges, 6, Debounce{10 * ms}};
+    std::vector<fairlead::Event> told;
+    const auto tell = [&](const fairlead::Event& event) { told.push_back(event); };
+    contact.step(90 * ms, tell);
+    EXPECT_TRUE(told.empty());
+    line().pull(100 * ms, true);
+    line().pull(101 * ms, false);
+    line().pull(102 * ms, true);
+    line().pull(150 * ms, false);
+    line().pull(151 * ms, true);  // pressed again within the bounce of the release
+    contact.step(155 * ms, tell);
+    contact.step(170 * ms, tell);
+    ASSERT_EQ(told.size(), 3u);
+    const std::int64_t times[] = {100 * ms, 150 * ms, 151 * ms};
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(told[i].t_ns, times[i]);
+        EXPECT_EQ(told[i].channel, 6);
+        EXPECT_EQ(told[i].value, i != 1);
+        EXPECT_EQ(told[i].flags, 0u);
+    }
+    for (int i = 0; i < 16; ++i) line().pull(200 * ms + i, i % 2 != 0);
+    for (int i = 0; i < 24; ++i) line().pull(201 * ms + i, false, true);  // the kernel drops these
+    contact.step(202 * ms, tell);
+    line().pull(300 * ms, false);
+    contact.step(300 * ms, tell);
+    line().pull(400 * ms, true);
+    contact.step(400 * ms, tell);
+    std::size_t gaps = 0;
+    for (const auto& event : told) gaps += (event.flags & flag::gap_before) != 0;
+    EXPECT_EQ(gaps, 1u);
+    EXPECT_EQ(told.back().t_ns, 400 * ms);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
-// What flows through fairlead: Sample in, Pose inside, spans out (reduce/span.hpp). All plain data.
+// What flows through fairlead: Sample in, Pose inside, spans out (reduce/span.hpp), and Event
+// beside them. All plain data.
 //
 // Conventions, stated once:
 //   - SI units: m, s, rad, rad/s, m/s^2; magnetic field in uT. Degrees and g exist at the edges
@@ -67,7 +68,16 @@ struct Pose {
     std::uint32_t flags{};
 };
 
+/// A change on a discrete channel, such as a button or a trigger: from t_ns on it has this value.
+struct Event {
+    std::int64_t t_ns{};
+    std::uint16_t channel{};
+    std::uint16_t value{};
+    std::uint32_t flags{};  // gap_before: events before this one are missing
+};
+
 static_assert(std::is_trivially_copyable_v<Sample> && sizeof(Sample) == 48);
 static_assert(std::is_trivially_copyable_v<Pose> && sizeof(Pose) == 40);
+static_assert(std::is_trivially_copyable_v<Event> && sizeof(Event) == 16);
 
 }  // namespace fairlead

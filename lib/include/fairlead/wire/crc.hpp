@@ -20,4 +20,13 @@ constexpr std::uint16_t crc16(const std::uint8_t* data, std::size_t size,
     return static_cast<std::uint16_t>(crc);
 }
 
+/// Puts the checksum of `size` bytes behind them. @return the size with it.
+constexpr std::size_t append_crc16(std::uint8_t* data, std::size_t size,
+                                   std::uint16_t seed) noexcept {
+    const std::uint16_t crc = crc16(data, size, seed);
+    data[size] = static_cast<std::uint8_t>(crc >> 8);
+    data[size + 1] = static_cast<std::uint8_t>(crc & 0xffu);
+    return size + 2;
+}
+
 }  // namespace fairlead

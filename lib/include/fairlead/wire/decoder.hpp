@@ -3,12 +3,13 @@
 // bit.
 //
 // push() takes one byte; when it completes a good frame, next() gives what the frame says, one
-// piece at a time. After damage or loss nothing is believed until the next restart frame. Bounded
-// memory and work.
+// piece at a time, and next_event() the events. After damage or loss no curve is believed until the
+// next restart frame; events need none. Bounded memory and work.
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/wire/events.hpp"
 #include "fairlead/wire/layout.hpp"
 
 namespace fairlead {
@@ -19,7 +20,7 @@ class Decoder {
     using Orientation = OrientationChannel;
 
     struct Counters {
-        std::uint32_t frames{0};    // good ones
+        std::uint32_t frames{0};    // good ones, of curves
         std::uint32_t restarts{0};  // of them, restart frames
         std::uint32_t damaged{0};   // losses of step: a bad checksum, a missing frame, nonsense
         std::uint32_t skipped_bytes{0};                       // passed over while out of step
@@ -39,7 +40,8 @@ class Decoder {
                           // along
     };
 
-    /// @return true when the byte completed a good frame: call next() until it is empty.
+    /// @return true when the byte completed a good frame: call next() and next_event() until they
+    /// are empty.
     bool push(std::uint8_t byte) noexcept {
         if (used_ == buffer_.size()) shift(1);
         buffer_[used_++] = byte;
@@ -65,6 +67,10 @@ class Decoder {
         return false;
     }
 
+    /// The next event that the frame tells, each only once. flag::gap_before: events before it are
+    /// missing. @return false when there is none left.
+    bool next_event(Event& event) noexcept { return events_.next(event); }
+
     bool in_step() const noexcept { return in_step_; }
     const wire::Link<Position>& position() const noexcept { return position_; }
     const wire::Link<Orientation>& orientation() const noexcept { return orientation_; }
@@ -72,6 +78,7 @@ class Decoder {
     /// The encoder's time, within a tick, when it made the latest restart frame.
     std::int64_t restart_ns() const noexcept { return header_.base_ns; }
     const Counters& counters() const noexcept { return counters_; }
+    const EventReader::Counters& event_counters() const noexcept { return events_.counters(); }
 
   private:
     static constexpr std::size_t batch_knots = 8;
@@ -81,14 +88,20 @@ class Decoder {
     bool find_frame() noexcept {
         for (std::size_t tries = 0; tries <= wire::max_frame && used_ > 0; ++tries) {
             const std::uint8_t first = buffer_[0];
-            const bool restart = first >= 0xC0, two = first >= 0x80;
+            const bool two = first >= 0x80, event = first >= wire::event_head;
+            const bool restart = first >= 0xC0 && !event;
             const std::size_t head = two ? 2 : 1;
             if (used_ < head && !ended_) return false;
-            const std::size_t n = two ? (first & 0x3fu) * 256u + buffer_[1] : first;
-            const bool possible = n > 0 && n <= wire::max_payload && (in_step_ || restart);
+            const std::size_t n =
+                two ? (first & (event ? 0x1fu : 0x3fu)) * 256u + buffer_[1] : first;
+            const bool possible = n > 0 && n <= wire::max_payload && (in_step_ || restart || event);
             const bool whole = used_ >= head + n + 2;
             if (possible && !whole && !ended_) return false;  // wait for the rest
-            if (possible && whole && good(head, n, restart) && parse(head, n, restart)) {
+            const std::uint16_t seed =
+                event ? wire::event_seed
+                      : (restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_));
+            if (possible && whole && good(head + n, seed) &&
+                (event ? parse_events(head, n) : parse(head, n, restart))) {
                 shift(head + n + 2);
                 return true;
             }
@@ -100,16 +113,21 @@ class Decoder {
         return false;
     }
 
-    bool good(std::size_t head, std::size_t n, bool restart) const noexcept {
-        const std::uint16_t seed =
-            restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_);
-        const std::uint16_t crc = crc16(buffer_.data(), head + n, seed);
-        return buffer_[head + n] == crc >> 8 && buffer_[head + n + 1] == (crc & 0xffu);
+    bool good(std::size_t size, std::uint16_t seed) const noexcept {
+        const std::uint16_t crc = crc16(buffer_.data(), size, seed);
+        return buffer_[size] == crc >> 8 && buffer_[size + 1] == (crc & 0xffu);
+    }
+
+    bool parse_events(std::size_t head, std::size_t n) noexcept {
+        BitReader io{buffer_.data() + head, n};
+        turn_ = turns;  // it says nothing of curves
+        return events_.parse(io);
     }
 
     bool parse(std::size_t head, std::size_t n, bool restart) noexcept {
         BitReader io{buffer_.data() + head, n};
         rejoined_ = false;
+        events_.clear();
         if (restart) {
             wire::Header h;
             wire::Link<Position> position;
@@ -191,6 +209,7 @@ class Decoder {
     wire::Link<Orientation> orientation_{};
     Batch<Position, batch_knots> position_batch_{};
     Batch<Orientation, batch_knots> orientation_batch_{};
+    EventReader events_{};
     Counters counters_{};
     std::uint32_t sequence_{0};
     std::size_t step_{0};

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "fairlead/base/types.hpp"
+#include "fairlead/wire/events.hpp"
 #include "fairlead/wire/layout.hpp"
 
 namespace fairlead {
@@ -26,14 +27,16 @@ struct EncoderParams {
     std::uint32_t tick_ns{4000000};  // grid of the knots, at most the smallest sample spacing
     std::uint32_t delay_max{60};     // records
     std::int64_t restart_interval_ns{2000000000};
-    std::uint32_t slice{4};  // search steps per push and channel
+    std::uint32_t slice{4};            // search steps per push and channel
+    std::uint32_t event_delay_max{0};  // records that an event may wait for company
     bool position{true};
     bool orientation{true};
 };
 
 /// N: ring capacity in samples, the largest delay_max. Memory: sizeof. Work per push: `slice`
-/// search steps, and at most max_frames advances per channel.
-template <std::size_t N>
+/// search steps, and at most max_frames advances per channel. Events: discrete events that may wait
+/// between two records, and channels of them that a late joiner learns of.
+template <std::size_t N, std::size_t Events = 8>
 class Encoder {
   public:
     using PositionReducer = Reducer<VectorChannel<3>, N>;
@@ -63,6 +66,18 @@ class Encoder {
             if (!position_.due() && !orientation_.due() && !restart_due()) break;
             frame(params_.delay_max / 2);
         }
+        let_out_events(size_ > 0 ? 0 : params_.event_delay_max);
+        return {out_.data(), size_};
+    }
+
+    /// An event of a discrete channel; it leaves with the next record, at most event_delay_max
+    /// records later. @return false: Events of them wait already, and it is not taken.
+    bool push_event(const Event& event) noexcept { return events_.push(event); }
+
+    /// Instead of push(), where no record has come: lets out events alone.
+    Bytes idle() noexcept {
+        size_ = 0;
+        let_out_events(params_.event_delay_max);
         return {out_.data(), size_};
     }
 
@@ -74,6 +89,7 @@ class Encoder {
             orientation_.work(flush_slices * params_.slice);
             frame(0);
         }
+        let_out_events(0);
         position_gap_ = orientation_gap_ = true;  // what comes later starts new curves
         return {out_.data(), size_};
     }
@@ -81,6 +97,7 @@ class Encoder {
     const PositionReducer& position() const noexcept { return position_; }
     const OrientationReducer& orientation() const noexcept { return orientation_; }
     std::uint32_t frames() const noexcept { return sequence_; }
+    std::uint32_t refused_events() const noexcept { return events_.refused(); }
 
     static constexpr std::size_t flush_slices = 16;
     static constexpr std::size_t max_frames = 3;  // a push completes at most
@@ -110,6 +127,10 @@ class Encoder {
         return !restart_wanted_ && now_ns_ - last_restart_ns_ >= params_.restart_interval_ns;
     }
 
+    void let_out_events(std::uint32_t hold) noexcept {
+        size_ += events_.frame(out_.data() + size_, hold);
+    }
+
     /// One frame with what both channels can make final.
     void frame(std::uint32_t goal) noexcept {
         BitWriter io{out_.data() + size_ + 2, wire::max_payload};
@@ -122,6 +143,7 @@ class Encoder {
             wire::state(io, orientation_link_, header_.base_ns, params_.tick_ns);
             restart_wanted_ = false;
             last_restart_ns_ = now_ns_;
+            events_.repeat();
         }
         put(io, position_, position_link_, goal);
         put(io, orientation_, orientation_link_, goal);
@@ -155,10 +177,7 @@ class Encoder {
         }
         const std::uint16_t seed =
             restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_);
-        const std::uint16_t crc = crc16(out, head + n, seed);
-        out[head + n] = static_cast<std::uint8_t>(crc >> 8);
-        out[head + n + 1] = static_cast<std::uint8_t>(crc & 0xffu);
-        size_ += head + n + 2;
+        size_ += append_crc16(out, head + n, seed);
         ++sequence_;
     }
 
@@ -168,7 +187,9 @@ class Encoder {
     wire::Link<VectorChannel<3>> position_link_{};
     wire::Link<OrientationChannel> orientation_link_{};
     wire::Header header_{};
-    std::array<std::uint8_t, max_frames * wire::max_frame> out_{};
+    EventSender<Events> events_{};
+    std::array<std::uint8_t, max_frames * wire::max_frame + EventSender<Events>::frame_size_max>
+        out_{};
     std::size_t size_{0};
     std::uint32_t sequence_{0};
     std::int64_t now_ns_{0}, epoch_ns_{0}, last_restart_ns_{0};
