@@ -14,7 +14,9 @@ struct AllanPoint {
 std::vector<AllanPoint> allan_deviation(const std::vector<double>& values, double period_s);
 
 struct AllanFigures {
-    double density{};      // white noise, unit/sqrt(Hz): sqrt(tau) times the deviation, short taus
+    // white noise, N of the standard, unit/sqrt(Hz): sqrt(tau) times the deviation, short taus. A
+    // data sheet's one-sided density is sqrt(2) of it.
+    double density{};
     double instability{};  // the least deviation over sqrt(2 ln 2 / pi)
     double instability_tau_s{};
     double walk{};  // rate random walk, unit/sqrt(s): from the longest taus; 0: not seen

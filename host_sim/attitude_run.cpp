@@ -165,6 +165,10 @@ std::vector<Pose> parse_estimate_csv(const std::string& text, const std::string&
         if (fields != 5)
             throw BadData(name + ": line " + std::to_string(number) +
                           " is not t_ns,qw,qx,qy,qz: " + line);
+        const double n2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+        if (std::abs(n2 - 1) > 0.01)  // NaN passes: score counts it
+            throw BadData(name + ": line " + std::to_string(number) +
+                          " is not a unit quaternion: " + line);
         Pose pose;
         pose.t_ns = t_ns;
         pose.q_wb = {static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2]),

@@ -11,7 +11,8 @@
 #include "fairlead/math/vec.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
-#include "host_sim/report/plot.hpp"
+#include "host_sim/report/chart.hpp"
+#include "host_sim/report/page.hpp"
 
 namespace fairlead::sim {
 namespace {
@@ -45,34 +46,67 @@ std::array<Channel, 6> channels_of(const Recording& recording, const Stretch& re
     return out;
 }
 
-Figure figure_of(const std::string& id, const std::string& unit) {
+Figure figure_of(const std::string& id, const std::string& sensor, const std::string& unit) {
     Figure figure;
     figure.id = id;
-    figure.title =
-        "Allan deviation of the " + id + ", " + unit + ", over log10(averaging time / s)";
+    figure.title = "Allan deviation of the " + sensor;
     figure.y_label = unit;
-    figure.log_y = true;
-    figure.height = 320;
+    figure.caption =
+        "Over the averaging time. Dashed: the white noise that is read off the first decade; noise "
+        "that is white throughout stays on it.";
+    figure.log_x = figure.log_y = true;
+    figure.height = 340;
     return figure;
+}
+
+void add_curve(Figure& figure, const std::vector<AllanPoint>& points, const AllanFigures& f,
+               const char* axis, const char* colour) {
+    Series curve, white;
+    curve.legend = axis;
+    curve.colour = white.colour = colour;
+    curve.width = 1.8;
+    white.style = Series::Style::dashed;
+    for (const AllanPoint& p : points) {
+        curve.x.push_back(p.tau_s);
+        curve.y.push_back(p.deviation);
+        white.x.push_back(p.tau_s);
+        white.y.push_back(f.density / std::sqrt(p.tau_s));
+    }
+    const auto [low, high] = std::minmax_element(curve.y.begin(), curve.y.end());
+    figure.x_min = curve.x.front();
+    figure.x_max = curve.x.back();
+    figure.y_min = figure.series.empty() ? 0.5 * *low : std::min(figure.y_min, 0.5 * *low);
+    figure.y_max = std::max(figure.y_max, 2 * *high);
+    figure.series.push_back(curve);
+    figure.series.push_back(white);
+}
+
+/// The longest rest, or BadData.
+Stretch rest_of(const Recording& recording) {
+    if (recording.samples.empty()) throw BadData(recording.name + ": holds no IMU samples");
+    if (!(recording.period_s > 0)) throw BadData(recording.name + ": holds no two times");
+    std::vector<double> speed;  // NaN, which is no rest, where a reading is missing
+    for (const Sample& s : recording.samples)
+        speed.push_back(static_cast<double>(norm(s.gyro_rad_s) + 0 * norm(s.accel_m_s2)));
+    constexpr double quiet_rad_s = 0.03;
+    const Stretch rest = longest_rest(speed, recording.period_s, quiet_rad_s);
+    if (static_cast<double>(rest.last - rest.first) * recording.period_s < 5)
+        throw BadData(recording.name + ": no rest of at least 5 s");
+    return rest;
 }
 
 void run(const Options& o) {
     const Recording recording = o.input.read();
-    if (recording.samples.empty()) throw BadData(recording.name + ": holds no IMU samples");
-    std::vector<double> speed;
-    for (const Sample& s : recording.samples)
-        speed.push_back(static_cast<double>(norm(s.gyro_rad_s)));
-    constexpr double quiet_rad_s = 0.03;
-    const Stretch rest = longest_rest(speed, recording.period_s, quiet_rad_s);
-    const double seconds = static_cast<double>(rest.last - rest.first) * recording.period_s;
-    if (seconds < 5) throw BadData(recording.name + ": no rest of at least 5 s");
-
-    std::printf("rest from %.1f s, %.1f s long\n",
-                static_cast<double>(rest.first) * recording.period_s, seconds);
+    const Stretch rest = rest_of(recording);
+    std::array<char, 80> found{};
+    std::snprintf(found.data(), found.size(), "rest from %.1f s, %.1f s long",
+                  static_cast<double>(rest.first) * recording.period_s,
+                  static_cast<double>(rest.last - rest.first) * recording.period_s);
+    std::printf("%s\n", found.data());
     std::printf("%-8s %-6s %14s %14s %10s %14s\n", "", "unit", "density /rtHz", "instability",
                 "at tau s", "walk /rt s");
-    std::array<Figure, 2> figures{figure_of("gyro", "deg/s"), figure_of("accelerometer", "m/s^2")};
-    const char* colours[] = {"#c0392b", "#27864f", "#2c5f9e"};
+    std::vector<Figure> figures{figure_of("allan_gyro", "gyro", "deg/s"),
+                                figure_of("allan_accel", "accelerometer", "m/s²")};
     std::string csv = "channel,tau_s,deviation\n";
     const auto channels = channels_of(recording, rest);
     for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -85,34 +119,21 @@ void run(const Options& o) {
             std::printf(" %14.6f\n", f.walk);
         else
             std::printf(" %14s\n", "not seen");
-        Series series;
-        series.legend = channel.name;
-        series.colour = colours[c % 3];
         for (const AllanPoint& p : points) {
-            series.x.push_back(std::log10(p.tau_s));
-            series.y.push_back(p.deviation);
-            csv += std::string(channel.name) + "," + std::to_string(p.tau_s) + "," +
-                   std::to_string(p.deviation) + "\n";
+            char line[80];
+            std::snprintf(line, sizeof line, "%s,%.9g,%.9g\n", channel.name, p.tau_s, p.deviation);
+            csv += line;
         }
-        Figure& figure = figures[c / 3];
-        figure.x_min = series.x.front();
-        figure.x_max = series.x.back();
-        const auto [low, high] = std::minmax_element(series.y.begin(), series.y.end());
-        figure.y_min = figure.series.empty() ? 0.7 * *low : std::min(figure.y_min, 0.7 * *low);
-        figure.y_max = std::max(figure.y_max, 1.4 * *high);
-        figure.series.push_back(series);
+        constexpr std::array<const char*, 3> axes{"x", "y", "z"};
+        add_curve(figures[c / 3], points, f, axes[c % 3], colours[c % 3]);
     }
     if (!o.csv.empty()) write_bytes(o.csv, csv);
     if (o.plot.empty()) return;
-    std::string page = "<!doctype html><meta charset=\"utf-8\"><title>Allan deviation of " +
-                       recording.name + "</title>\n";
-    for (const std::string& svg : draw({figures[0], figures[1]})) {
-        if (svg.empty()) throw BadData("gnuplot cannot be run: no plot (Debian: gnuplot-nox)");
-        page +=
-            "<p>Allan deviation over log10 of the averaging time in s; red x, green y, blue z</p>" +
-            svg;
-    }
-    write_bytes(o.plot, page);
+    std::string page = page_head(recording.name);
+    page += std::string("<p class=\"lead\">Noise of the sensors: ") + found.data() + ".</p>\n";
+    if (!append_figures(page, figures))
+        throw BadData("gnuplot cannot be run: no plot (Debian: gnuplot-nox)");
+    write_bytes(o.plot, page + page_foot("fairlead-sim allan"));
 }
 
 }  // namespace

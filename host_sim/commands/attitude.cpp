@@ -1,5 +1,6 @@
 // fairlead-sim attitude IN --out EST.csv: the orientation that the board would have computed.
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <memory>
 
 #include "host_sim/attitude_run.hpp"
@@ -13,24 +14,40 @@ struct Options {
     InputOptions input;
     std::string out;
     std::optional<AttitudeMode> mode;
-    std::vector<double> drop;
+    std::vector<std::string> drop;
     double rate_error_percent{0};
     Conditions conditions;
 };
 
+/// RATE[,BURST[,SEED]]
+DropPlan drop_plan(const std::vector<std::string>& arguments) {
+    const auto refuse = [] {
+        throw BadSpec("--drop: RATE,BURST,SEED, a rate from 0 to 0.99 and a burst of 1 to 1000000");
+    };
+    const auto whole = [&](const std::string& text, std::uint64_t low, std::uint64_t high) {
+        std::uint64_t value{};
+        const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (failed != std::errc{} || end != text.data() + text.size() || value < low ||
+            value > high)
+            refuse();
+        return value;
+    };
+    DropPlan plan;
+    if (arguments.empty()) return plan;
+    plan.rate = parse_real(arguments[0]);
+    if (!(plan.rate >= 0 && plan.rate <= 0.99)) refuse();
+    if (arguments.size() > 1) plan.burst = static_cast<int>(whole(arguments[1], 1, 1000000));
+    if (arguments.size() > 2) plan.seed = whole(arguments[2], 0, UINT64_MAX);
+    return plan;
+}
+
 void run(Options options) {
-    if (!options.drop.empty()) {
-        DropPlan& drop = options.conditions.drop;
-        drop.rate = options.drop[0];
-        if (options.drop.size() > 1) drop.burst = static_cast<int>(options.drop[1]);
-        if (options.drop.size() > 2) drop.seed = static_cast<std::uint64_t>(options.drop[2]);
-        if (drop.rate < 0 || drop.rate >= 1 || drop.burst < 1)
-            throw std::invalid_argument("--drop: a rate in [0, 1) and a burst of at least 1");
-    }
+    options.conditions.drop = drop_plan(options.drop);
     options.conditions.rate_error = options.rate_error_percent / 100;
     const Recording recording = options.input.read();
-    const auto estimate = run_attitude(recording, options.mode.value_or(all_sensors(recording)),
-                                       AttitudeParams{}, options.conditions);
+    const auto mode = options.mode.value_or(all_sensors(recording));
+    const auto estimate = run_attitude(recording, mode, AttitudeParams{}, options.conditions);
+    if (estimate.empty()) throw BadData(recording.name + ": no sample is left to estimate from");
     write_bytes(options.out, to_estimate_csv(estimate));
 }
 
@@ -42,14 +59,19 @@ void add_attitude(CLI::App& app) {
     o->input.add_to(*command);
     add_mode(*command, o->mode);
     command
-        ->add_option("--drop", o->drop, "RATE,BURST,SEED: lose this share of the samples, in runs")
+        ->add_option("--drop", o->drop,
+                     "RATE[,BURST[,SEED]]: lose this share of the samples, in runs of BURST")
+        ->type_name("LIST")
         ->delimiter(',')
         ->expected(1, 3);
-    command->add_option("--rate-error", o->rate_error_percent,
-                        "Percent by which the time stamps run fast");
+    command
+        ->add_option("--rate-error", o->rate_error_percent,
+                     "Percent by which the time stamps run fast")
+        ->check(in_range(-50, 100));
     command->add_option("--every", o->conditions.every, "Keep one sample of so many")
         ->check(CLI::Range(1, 1000));
-    command->add_option("--start-at", o->conditions.start_s, "Begin so many seconds in");
+    command->add_option("--start-at", o->conditions.start_s, "Begin so many seconds in")
+        ->check(in_range(0, 1e9));
     command->add_option("--out", o->out, "CSV to write: t_ns,qw,qx,qy,qz; sensor to east-north-up")
         ->required();
     command->callback([o] { run(*o); });

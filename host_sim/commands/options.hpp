@@ -2,7 +2,6 @@
 // Options that several subcommands share.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -83,13 +82,16 @@ inline void add_tolerances(CLI::App& command, ReplayOptions& options, bool must_
 
 /// --mode: which of an IMU's sensors the orientation is made of. Empty: all it has.
 inline void add_mode(CLI::App& command, std::optional<AttitudeMode>& mode) {
-    const std::map<std::string, AttitudeMode> modes{
-        {"3d", AttitudeMode::gyro}, {"6d", AttitudeMode::imu}, {"9d", AttitudeMode::imu_mag}};
     command
-        .add_option("--mode", mode,
-                    "Of an IMU, 3d: gyro; 6d: and accelerometer; 9d: and magnetometer; "
-                    "default: all that it has")
-        ->transform(CLI::CheckedTransformer(modes, CLI::ignore_case));
+        .add_option_function<std::string>(
+            "--mode",
+            [&mode](const std::string& name) {
+                mode = name == "3d"   ? AttitudeMode::gyro
+                       : name == "6d" ? AttitudeMode::imu
+                                      : AttitudeMode::imu_mag;
+            },
+            "Of an IMU, 3d: gyro; 6d: and accelerometer; 9d: and magnetometer; default: all it has")
+        ->transform(CLI::IsMember({"3d", "6d", "9d"}, CLI::ignore_case));
 }
 
 /// The reduction promises a bound; should it ever not hold, that is an error.

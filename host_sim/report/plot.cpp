@@ -112,6 +112,7 @@ void append_figure(std::string& script, const Figure& figure, const fs::path& ou
         "set ytics scale 0\nset grid ytics lt 1 lw 1\n";
     append(script, "set xrange [%.9g:%.9g]\nset format x '%%g s'\n", figure.x_min, figure.x_max);
     append(script, "set ylabel '%s' offset 1 textcolor rgb '#808691'\n", figure.y_label.c_str());
+    if (figure.log_x) script += "set logscale x\nset grid xtics\n";
     if (figure.log_y) script += "set logscale y\nset format y '10^{%L}'\n";
     for (std::size_t i = 0; i < figure.rows.size(); ++i)
         append(script, "set ytics %s ('%s' %zu)\n", i == 0 ? "" : "add", figure.rows[i].c_str(),

@@ -22,7 +22,7 @@ struct Figure {
     double x_min{}, x_max{};
     double y_min{}, y_max{};        // equal: gnuplot chooses
     std::vector<std::string> rows;  // names of y = 1, 2, ... where y is no number
-    bool log_y{false};
+    bool log_x{false}, log_y{false};
     int height{230};
 };
 

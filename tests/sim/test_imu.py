@@ -131,6 +131,23 @@ def test_faults_in_an_imu_are_met(folder):
     assert "500 in" in rows(must("replay", bad, "--salvage"))["records in"]
 
 
+def test_allan_reads_the_noise_of_the_model(folder):
+    imu = generated(folder, "model:icm42688p+turn:2+rest:120")  # 2.8 mdps/rtHz, 70 ug/rtHz
+    said = must("allan", imu, "--plot", folder / "a.html", "--csv", folder / "a.csv")
+    assert said.startswith("rest from "), said
+    density = {line[:7]: float(line.split()[3]) for line in said.splitlines()[2:]}
+    for axis in "xyz":
+        # one-sided density: white noise of it has the Allan deviation density / sqrt(2 tau)
+        assert 0.9 < density[f"gyro {axis} "] * math.sqrt(2) / 2.8e-3 < 2.0, density
+        assert 0.9 < density[f"accel {axis}"] * math.sqrt(2) / (70e-6 * 9.80665) < 2.0, density
+    page = Page((folder / "a.html").read_text(encoding="utf-8"))
+    assert list(page.figures) == ["figure-allan_gyro", "figure-allan_accel"]
+    lines = (folder / "a.csv").read_text(encoding="ascii").splitlines()
+    assert lines[0] == "channel,tau_s,deviation" and len(lines) > 150
+    code, _, err = run("allan", generated(folder, "model:icm42688p+turn:4"))
+    assert code == 1 and "no rest of at least 5 s" in err, err
+
+
 def test_wrong_usage(folder):
     imu = generated(folder, "model:icm42688p+rest:1")
     for arguments in (["replay", imu, "--mode", "10d"], ["attitude", imu],
@@ -138,9 +155,21 @@ def test_wrong_usage(folder):
                       ["reduce", imu, "--tol-pos", 1, "--channel", "position", "--out", folder / "x"],
                       ["attitude", imu, "--every", 0, "--out", folder / "x"],
                       ["attitude", imu, "--drop", 2, "--out", folder / "x"],
-                      ["attitude", imu, "--drop", "0.1,0", "--out", folder / "x"]):
+                      ["attitude", imu, "--drop", "0.1,0", "--out", folder / "x"],
+                      ["attitude", imu, "--drop", "0.1,2.5", "--out", folder / "x"],
+                      ["attitude", imu, "--drop", "nan", "--out", folder / "x"],
+                      ["attitude", imu, "--rate-error", "nan", "--out", folder / "x"],
+                      ["attitude", imu, "--start-at", -1, "--out", folder / "x"]):
         code, _, err = run(*arguments)
         assert code == 2 and err, (code, arguments, err)
+    for arguments in (["attitude", imu, "--start-at", 100], ["attitude", "README.md"]):
+        code, _, err = run(*arguments, "--out", folder / "x")
+        assert code == 1 and err, (code, arguments, err)
+    bad = folder / "bad.csv"
+    for row in ("1,2,3", "0,2,0,0,0", "0,one,0,0,0"):
+        bad.write_text("t_ns,qw,qx,qy,qz\n" + row + "\n", encoding="ascii")
+        code, _, err = run("score", imu, bad)
+        assert code == 1 and "line 2" in err, (row, err)
 
 
 def test_a_recording(folder):
