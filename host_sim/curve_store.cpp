@@ -21,6 +21,8 @@ void CurveStore::take_frame() {
         else
             follow(orientation_, decoder_.orientation(), update, decoder_.tick_ns());
     }
+    Event event;
+    while (decoder_.next_event(event)) events_.push_back(event);
 }
 
 void CurveStore::note_damage() {
@@ -59,7 +61,7 @@ Pose CurveStore::at(std::int64_t t_ns) const {
 
 std::string CurveStore::damage() const {
     const auto& c = counters();
-    if (c.frames == 0) return "byte 0: no frame of a fairlead stream";
+    if (empty()) return "byte 0: no frame of a fairlead stream";
     if (!damaged_at_) return {};
     return "damage noticed at byte " + std::to_string(*damaged_at_) + ": " +
            std::to_string(c.damaged) + " place(s), " + std::to_string(c.skipped_bytes) +

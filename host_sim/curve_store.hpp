@@ -1,6 +1,7 @@
 #pragma once
 // The far end of the wire, on the host: takes the bytes of a stream in any portions, keeps every
 // piece of curve that the decoder tells of, and evaluates them at any time that is covered so far.
+// And every event.
 #include <algorithm>
 #include <cstdint>
 #include <optional>
@@ -111,7 +112,12 @@ class CurveStore {
     /// Both curves at a time; the flags tell which of them there are.
     Pose at(std::int64_t t_ns) const;
 
+    /// The discrete events, in the order in which they were sent.
+    const std::vector<Event>& events() const { return events_; }
+    const EventReader::Counters& event_counters() const { return decoder_.event_counters(); }
     const Decoder::Counters& counters() const { return decoder_.counters(); }
+    /// Nothing in the stream was understood.
+    bool empty() const { return counters().frames + event_counters().frames == 0; }
     /// Empty, or what is wrong with the stream and near which byte it was first noticed.
     std::string damage() const;
 
@@ -122,6 +128,7 @@ class CurveStore {
     Decoder decoder_{};
     Positions position_;
     Orientations orientation_;
+    std::vector<Event> events_;
     std::size_t byte_count_{0};
     std::optional<std::size_t> damaged_at_;
 };

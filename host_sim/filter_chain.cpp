@@ -1,5 +1,6 @@
 #include "host_sim/filter_chain.hpp"
 
+#include <cstdio>
 #include <vector>
 
 #include "host_sim/spec.hpp"
@@ -14,7 +15,13 @@ const char* const filter_help =
     "    sg:N:P                  Savitzky-Golay, N taps (odd), degree P, centred\n"
     "    csg:N:P                 the same read at the newest sample: no latency\n"
     "    taps:A,B,...@CENTRE     taps of your own, oldest first, centre counted from 0\n"
-    "    adaptive:HZ:SLOPE       causal, cut-off HZ at rest, growing by SLOPE Hz per rad/s or m/s";
+    "    adaptive:HZ:SLOPE       causal, cut-off HZ at rest, growing by SLOPE Hz per rad/s or m/s\n"
+    "    strain:HZ[:LAG]         strain smoothing, cut-off HZ; LAG records late, 0 to 400\n"
+    "                            [as many as make it exact: 3 / (HZ x period)]\n"
+    "    fair:M:DAMPING:ROUNDS[:BOUND_M:BOUND_RAD]\n"
+    "                            fairing by rho_2 or rho_3 (M), DAMPING below 0.5, up to 100 "
+    "rounds;\n"
+    "                            no pose moves by more than the bounds   [none]";
 
 namespace {
 
@@ -75,24 +82,59 @@ AMask mask_of(const SpecItem& item) {
     if (item.name == "sg") return savitzky_golay(item, false);
     if (item.name == "csg") return savitzky_golay(item, true);
     if (item.name == "taps") return own_taps(item);
-    item.refuse("unknown filter: binomial, hs, hu, sg, csg, taps or adaptive");
+    item.refuse("unknown filter: binomial, hs, hu, sg, csg, taps, adaptive, strain or fair");
 }
 
-NamedFilter filter_of(const SpecItem& item) {
-    if (item.name != "adaptive") return NamedFilter{mask_of(item)};
+NamedFilter adaptive_of(const SpecItem& item) {
     item.expect_arguments(2, 2);
     const AdaptiveParams params{static_cast<float>(item.number(0, 1e-3, 1e6)),
                                 static_cast<float>(item.number(1, 0, 1e6))};
     return NamedFilter{AdaptivePoseFilter{params, params}};
 }
 
+NamedFilter strain_of(const SpecItem& item, double step_s) {
+    item.expect_arguments(1, 2);
+    const auto hz = static_cast<float>(item.number(0, 1e-6, 1e6));
+    const auto step = static_cast<float>(step_s);
+    if (const char* wrong = strain_weight_error(hz, step)) {
+        char at[64];
+        std::snprintf(at, sizeof at, " (at %.6g records a second)", 1 / step_s);
+        item.refuse(wrong + std::string(at));
+    }
+    const long lag = item.arguments.size() > 1 ? item.whole(1, 0, static_cast<long>(lag_max))
+                                               : static_cast<long>(strain_lag(hz, step));
+    return NamedFilter{Boxed{NamedFilter::Strain{*StrainParams::from_cutoff(hz, step, 1),
+                                                 static_cast<std::size_t>(lag)}}};
+}
+
+NamedFilter fairing_of(const SpecItem& item) {
+    if (item.arguments.size() != 3) item.expect_arguments(5, 5);
+    const long order = item.whole(0, 2, 3);
+    FairingParams params;
+    params.damping_p = params.damping_q = static_cast<float>(item.number(1, 1e-3, 0.499));
+    const auto rounds = static_cast<std::size_t>(item.whole(2, 1, static_cast<long>(rounds_max)));
+    if (item.arguments.size() == 5) {
+        params.bound_m = static_cast<float>(item.number(3, 0, 1e6));
+        params.bound_rad = static_cast<float>(item.number(4, 0, 4));
+    }
+    if (order == 2) return NamedFilter{Boxed{NamedFilter::Fairing2{rounds, params}}};
+    return NamedFilter{Boxed{NamedFilter::Fairing3{rounds, params}}};
+}
+
+NamedFilter filter_of(const SpecItem& item, double step_s) {
+    if (item.name == "adaptive") return adaptive_of(item);
+    if (item.name == "strain") return strain_of(item, step_s);
+    if (item.name == "fair") return fairing_of(item);
+    return NamedFilter{mask_of(item)};
+}
+
 }  // namespace
 
-FilterChain parse_filters(const std::string& spec) {
+FilterChain parse_filters(const std::string& spec, double step_s) {
     FilterChain chain;
     if (spec.empty()) return chain;
     for (const SpecItem& item : parse_spec(spec))
-        if (chain.append(filter_of(item)) != Status::ok)
+        if (chain.append(filter_of(item, step_s)) != Status::ok)
             throw BadSpec("'" + spec + "': at most 8 filters in a chain");
     return chain;
 }

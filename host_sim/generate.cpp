@@ -22,6 +22,8 @@ const char* const generate_help =
     "  events, from where they stand, while the motion goes on:\n"
     "    gap:S                        no records for S seconds\n"
     "    lose:CHANNEL:S               position, orientation or both are not valid\n"
+    "    press:CHANNEL:S[:COUNT]      COUNT presses of a button, value 1 and then 0 of a discrete\n"
+    "                                 channel, at times within S seconds   [1]\n"
     "  settings of the whole recording:\n"
     "    model:NAME                   the sensor, see below   [optical]\n"
     "    rate:HZ                      records a second   [the model's]\n"
@@ -39,6 +41,8 @@ struct Plan {
     SensorModel model;
     double rate_hz{}, jitter_s{};
     std::vector<Span> events;
+    std::vector<Event> presses;
+    Random press_times;
     Motion motion;
 };
 
@@ -83,11 +87,28 @@ bool add_motion(const SpecItem& item, Motion& motion) {
     return true;
 }
 
+/// At any nanosecond: events do not wait for a record.
+void add_presses(const SpecItem& item, double from_s, Plan& plan) {
+    item.expect_arguments(2, 3);
+    const auto channel = static_cast<std::uint16_t>(item.whole(0, 0, 65535));
+    const double s = item.number(1, 1e-6, longest_s);
+    const long count = item.arguments.size() > 2 ? item.whole(2, 1, 100000) : 1;
+    std::vector<std::int64_t> times;
+    for (long i = 0; i < 2 * count; ++i)
+        times.push_back(
+            static_cast<std::int64_t>(plan.press_times.uniform(from_s, from_s + s) * 1e9));
+    std::sort(times.begin(), times.end());
+    for (std::size_t i = 0; i < times.size(); ++i)
+        plan.presses.push_back({times[i], channel, static_cast<std::uint16_t>(1 - i % 2), 0});
+}
+
 bool add_event(const SpecItem& item, Plan& plan) {
     const double now_s = plan.motion.duration_s();
     if (item.name == "gap") {
         item.expect_arguments(1, 1);
         plan.events.push_back({now_s, now_s + item.number(0, 0, longest_s), 0});
+    } else if (item.name == "press") {
+        add_presses(item, now_s, plan);
     } else if (item.name == "lose") {
         item.expect_arguments(2, 2);
         if (plan.model.is_imu) item.refuse("an IMU has no channels of a pose to lose");
@@ -101,7 +122,7 @@ bool add_event(const SpecItem& item, Plan& plan) {
 
 Plan make_plan(const std::string& spec, std::uint64_t seed) {
     const auto items = parse_spec(spec);
-    Plan plan{sensor_models()[1], 0, 0, {}, Motion{Random{seed}}};
+    Plan plan{sensor_models()[1], 0, 0, {}, {}, Random{seed ^ 0x7072657373u}, Motion{Random{seed}}};
     std::vector<const SpecItem*> motions;
     for (const SpecItem& item : items) {  // settings first: they hold for the whole recording
         if (item.name == "model") {
@@ -123,6 +144,8 @@ Plan make_plan(const std::string& spec, std::uint64_t seed) {
     for (const SpecItem* item : motions)
         if (!add_motion(*item, plan.motion) && !add_event(*item, plan))
             item->refuse("unknown item; see fairlead-sim generate --help");
+    std::stable_sort(plan.presses.begin(), plan.presses.end(),
+                     [](const Event& a, const Event& b) { return a.t_ns < b.t_ns; });
     const double records = plan.motion.duration_s() * plan.rate_hz;
     if (!(records >= 1)) throw BadSpec("'" + spec + "' has no motion of at least one record");
     if (records > 1e8) throw BadSpec("'" + spec + "' is longer than 10^8 records");
@@ -157,6 +180,7 @@ Recording generate(const std::string& spec, std::uint64_t seed) {
     recording.name = "generated";
     recording.format = plan.model.is_imu ? Format::imu : Format::trk;
     recording.period_s = 1 / plan.rate_hz;
+    recording.events = plan.presses;
     const auto count = static_cast<std::int64_t>(plan.motion.duration_s() * plan.rate_hz + 0.5);
     for (std::int64_t i = 0; i < count; ++i) {
         const double even_s = (static_cast<double>(i) + 0.5) / plan.rate_hz;

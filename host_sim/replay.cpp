@@ -57,7 +57,7 @@ HostPipeline::Params parameters(const Recording& recording, const ReplayOptions&
                                 Replay& result) {
     HostPipeline::Params params;
     params.intake = intake_params(recording);
-    params.filter.chain = parse_filters(options.filter);
+    params.filter.chain = parse_filters(options.filter, recording.period_s);
     params.filter.in = &result.raw;
     params.filter.out = &result.input;
     const auto tolerance = static_cast<float>(options.tol_pos_m);
@@ -87,15 +87,54 @@ Bytes sealed(Step step) {
     return step();
 }
 
+/// Gives discrete events to the chain, each before the first record that is not earlier.
+template <class Chain>
+class EventFeed {
+  public:
+    EventFeed(const std::vector<Event>& events, Chain& chain, Replay& result)
+        : events_{events}, chain_{chain}, result_{result.events}, stream_{result.stream} {}
+
+    void offer(std::int64_t until_ns) {
+        while (next_ < events_.size() && events_[next_].t_ns <= until_ns) offer_one();
+    }
+    bool offer_one() {
+        if (next_ == events_.size()) return false;
+        const Event& event = events_[next_++];
+        ++result_.offered;
+        if (chain_.push_event(event))
+            result_.accepted.push_back(event);
+        else
+            ++result_.refused;
+        return true;
+    }
+    /// The record is through: what was offered before it must be in the stream.
+    void due() { result_.due.resize(result_.accepted.size(), stream_.size()); }
+
+  private:
+    const std::vector<Event>& events_;
+    Chain& chain_;
+    EventResult& result_;
+    const std::string& stream_;
+    std::size_t next_{0};
+};
+
 /// Leads every record through the chain; `note` may look at it after each.
 template <class Chain, class Record, class Note>
-void feed(Chain& chain, const std::vector<Record>& records, Note note, Replay& result) {
+void feed(Chain& chain, const std::vector<Record>& records, const std::vector<Event>& discrete,
+          Note note, Replay& result) {
     Progress progress{"replay", records.size()};
+    EventFeed<Chain> events{discrete, chain, result};
     for (const Record& record : records) {
+        events.offer(record.t_ns);
         take(sealed([&] { return chain.push(record); }), result);
+        events.due();
         note();
         result.bytes_after_record.push_back(result.stream.size());
         progress.show(result.bytes_after_record.size());
+    }
+    while (events.offer_one()) {  // those after the last record
+        take(sealed([&] { return chain.idle(); }), result);
+        events.due();
     }
     for (;;) {
         const Bytes bytes = sealed([&] { return chain.flush(); });
@@ -113,7 +152,7 @@ void run_poses(const Recording& recording, const HostPipeline::Params& params, R
     const auto chain = std::make_unique<HostPipeline>(params);
     result.bytes_per_record = pose_bytes;
     feed(
-        *chain, recording.poses, [] {}, result);
+        *chain, recording.poses, recording.events, [] {}, result);
 }
 
 template <AttitudeMode mode>
@@ -132,15 +171,15 @@ void run_imu(const Recording& recording, const HostPipeline::Params& motion, Rep
     const auto note = [&] {
         if (chain->pose()) trace.note(*chain->pose(), chain->orientation());
     };
-    feed(*chain, recording.samples, note, result);
+    feed(*chain, recording.samples, recording.events, note, result);
     add_errors(trace, recording, result.raw);
 }
 
 void run(const Recording& recording, const ReplayOptions& options, Replay& result) {
     result.raw.reserve(recording.size());
     result.input.reserve(recording.size());
-    result.filter_delay = parse_filters(options.filter).delay();
     const auto params = parameters(recording, options, result);
+    result.filter_delay = params.filter.chain.delay();
     if (recording.samples.empty()) return run_poses(recording, params, result);
     switch (options.mode.value_or(all_sensors(recording))) {
         case AttitudeMode::gyro: return run_imu<AttitudeMode::gyro>(recording, params, result);
@@ -265,10 +304,31 @@ void count(const List& list, ChannelResult& channel) {
     for (const auto& piece : list.pieces()) channel.knot_ns.push_back(piece.t0_ns());
 }
 
-/// Shares the stream's bytes out: a channel's own bits, and half of what frames need beside.
+/// The events as the far end has them, and whether they were there in time.
+void judge_events(const CurveStore& whole, Replay& result) {
+    EventResult& events = result.events;
+    events.decoded = whole.events();
+    events.bytes = static_cast<std::size_t>(whole.event_counters().bytes);
+    CurveStore store;
+    std::size_t fed = 0;
+    for (std::size_t i = 0; i < events.accepted.size(); ++i) {
+        store.push(std::string_view(result.stream).substr(fed, events.due[i] - fed));
+        fed = events.due[i];
+        if (store.events().size() <= i) ++events.late;
+        const Event& in = events.accepted[i];
+        const auto same = [&in](const Event& out) {
+            return in.t_ns == out.t_ns && in.channel == out.channel && in.value == out.value;
+        };
+        if (i >= events.decoded.size() || !same(events.decoded[i])) ++events.wrong;
+    }
+    if (events.decoded.size() > events.accepted.size())
+        events.wrong += events.decoded.size() - events.accepted.size();
+}
+
+/// Shares the curves' bytes out: a channel's own bits, and half of what frames need beside.
 void share_bytes(const Decoder::Counters& counters, Replay& result) {
     ChannelResult &p = result.position, &r = result.orientation;
-    const std::size_t total = result.stream.size();
+    const std::size_t total = result.stream.size() - result.events.bytes;
     if (p.samples > 0 && r.samples > 0) {
         const std::size_t own = counters.position_bits + counters.orientation_bits;
         const std::size_t beside = 8 * total > own ? 8 * total - own : 0;
@@ -306,6 +366,7 @@ void judge(Replay& result) {
     if (o.orientation) judge<OrientationView>(result, o.tol_rot_rad, result.orientation);
     count(store.position(), result.position);
     count(store.orientation(), result.orientation);
+    judge_events(store, result);
     share_bytes(store.counters(), result);
 }
 

@@ -45,6 +45,16 @@ struct ChannelResult {
     std::vector<std::uint32_t> delay;  // one per record
 };
 
+/// The discrete events.
+struct EventResult {
+    std::size_t offered{}, refused{};  // refused: by a full queue
+    std::size_t bytes{};               // of their frames
+    std::size_t wrong{};               // not decoded, or with another time or value: must be 0
+    std::size_t late{};                // not in the bytes of the record that followed: must be 0
+    std::vector<Event> accepted, decoded;
+    std::vector<std::size_t> due;  // per accepted event: the stream's size after that record
+};
+
 struct Replay {
     std::string name;
     ReplayOptions options;
@@ -58,6 +68,7 @@ struct Replay {
     std::vector<std::size_t> bytes_after_record;  // one per record in, before the flush
     std::vector<std::size_t> bytes_after_input;   // one per pose of `input`
     ChannelResult position, orientation;
+    EventResult events;
     std::vector<std::pair<std::string, std::size_t>> faults;  // by kind
     std::size_t filter_delay{};                               // records
 };

@@ -18,10 +18,11 @@ const char* to_string(Format format);
 struct Recording {
     std::string name;
     Format format{};
-    double period_s{};                 // nominal, or the median step where the file names none
-    std::vector<Pose> poses;           // what a tracker measured; validity per channel in the flags
-    std::vector<Sample> samples;       // what an IMU measured
-    std::vector<Pose> truth;           // of an .imu: the reference, one per sample, never an input
+    double period_s{};            // nominal, or the median step where the file names none
+    std::vector<Pose> poses;      // what a tracker measured; validity per channel in the flags
+    std::vector<Sample> samples;  // what an IMU measured
+    std::vector<Pose> truth;      // of an .imu: the reference, one per sample, never an input
+    std::vector<Event> events;    // of discrete channels; no format holds them (event_file.hpp)
     std::vector<std::uint8_t> moving;  // of an .imu: 1 in the movement phase, one per sample
     std::string damage;                // why the rest of the file was left out (salvage only)
     std::string note;                  // something odd, yet readable

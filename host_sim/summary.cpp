@@ -103,6 +103,10 @@ std::vector<Row> summary_rows(const Replay& replay) {
     rows.push_back(row(replay, "mean delay",
                        [](const auto& c) { return text("%.1f records", c.mean_delay); }));
     rows.push_back(row(replay, "bytes out", [](const auto& c) { return grouped(c.bytes); }));
+    const EventResult& e = replay.events;
+    if (e.offered > 0)
+        whole("discrete events", grouped(e.offered) + ", " + grouped(e.refused) + " refused, " +
+                                     grouped(e.bytes) + " bytes");
     const double ratio = replay.stream.empty() ? 0
                                                : static_cast<double>(replay.bytes_in) /
                                                      static_cast<double>(replay.stream.size());
@@ -123,6 +127,10 @@ std::string summary_json(const Replay& replay) {
     if (replay.options.position) json += channel("position", "max_error_m", replay.position);
     if (replay.options.orientation)
         json += channel("orientation", "max_error_rad", replay.orientation);
+    const EventResult& e = replay.events;
+    if (e.offered > 0)
+        json += text(", \"events\": {\"count\": %zu, \"refused\": %zu, \"bytes\": %zu}", e.offered,
+                     e.refused, e.bytes);
     return json + "}\n";
 }
 

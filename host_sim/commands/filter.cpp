@@ -27,8 +27,9 @@ std::vector<Pose> poses_to_filter(const Recording& recording, const Options& opt
 }
 
 void run(const Options& options) {
-    const auto chain = std::make_unique<FilterChain>(parse_filters(options.filter));
     const Recording recording = options.input.read();
+    const auto chain =
+        std::make_unique<FilterChain>(parse_filters(options.filter, recording.period_s));
     Intake<Pose> intake{intake_params(recording)};
     std::vector<Pose> filtered;
     for (const Pose& raw : poses_to_filter(recording, options)) {

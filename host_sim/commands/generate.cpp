@@ -5,21 +5,26 @@
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
+#include "host_sim/event_file.hpp"
 #include "host_sim/sensor_model.hpp"
+#include "host_sim/spec.hpp"
 #include "host_sim/writers.hpp"
 
 namespace fairlead::sim {
 namespace {
 
 struct Options {
-    std::string spec, out, truth;
+    std::string spec, out, truth, events;
     std::uint64_t seed{1};
 };
 
 void run(const Options& options) {
     const Recording recording = generate(options.spec, options.seed);
+    if (!recording.events.empty() && options.events.empty())
+        throw BadSpec("a SPEC with press needs --events FILE: recordings hold no discrete events");
     write_bytes(options.out, to_file(recording, options.out));
     if (!options.truth.empty()) write_bytes(options.truth, to_poses_csv(recording.truth));
+    if (!options.events.empty()) write_bytes(options.events, to_events_csv(recording.events));
 }
 
 std::string footer() {
@@ -42,6 +47,8 @@ void add_generate(CLI::App& app) {
     command->add_option("--out", options->out, "Recording to write: .trk .tum .imu .csv")
         ->required();
     command->add_option("--truth", options->truth, "Also write the true poses, as pose CSV");
+    command->add_option("--events", options->events,
+                        "CSV for the discrete events: t_ns,channel,value,gap");
     command->footer(footer());
     command->callback([options] { run(*options); });
 }

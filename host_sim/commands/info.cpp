@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <set>
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
@@ -46,13 +47,22 @@ void print_curves(const char* name, const List& list) {
                 static_cast<double>(list.pieces().back().end_ns()) * 1e-9);
 }
 
+void print_events(const CurveStore& store) {
+    const auto& counters = store.event_counters();
+    if (counters.frames == 0) return;
+    std::set<std::uint16_t> channels;
+    for (const Event& event : store.events()) channels.insert(event.channel);
+    std::printf("events           %u on %zu channel%s, in %u frames; %u missing\n", counters.events,
+                channels.size(), channels.size() == 1 ? "" : "s", counters.frames, counters.lost);
+}
+
 void print_stream(const InputOptions& input) {
     const std::string bytes = read_bytes(input.path);
     CurveStore store;
     store.push(bytes);
     store.finish();
     const std::string damage = store.damage();
-    if (!damage.empty() && (!input.salvage || store.counters().frames == 0))
+    if (!damage.empty() && (!input.salvage || store.empty()))
         throw BadData(input.path + ": " + damage);
     std::printf("format           reduced stream\n");
     std::printf("bytes            %zu\n", bytes.size());
@@ -60,6 +70,7 @@ void print_stream(const InputOptions& input) {
                 store.counters().restarts);
     print_curves("position", store.position());
     print_curves("orientation", store.orientation());
+    print_events(store);
     if (!damage.empty()) std::printf("damage           %s\n", damage.c_str());
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "host_sim/event_file.hpp"
 #include "host_sim/replay.hpp"
 #include "host_sim/spec.hpp"
 #include "host_sim/stream.hpp"
@@ -12,9 +13,9 @@
 
 namespace fairlead::sim {
 
-/// IN and --salvage.
+/// IN and --salvage, --events.
 struct InputOptions {
-    std::string path;
+    std::string path, events;
     bool salvage{false};
 
     void add_to(CLI::App& command, const std::string& name = "IN") {
@@ -25,6 +26,13 @@ struct InputOptions {
                          "Use the complete records before the damage of a bad file");
     }
 
+    void add_events_to(CLI::App& command) {
+        command
+            .add_option("--events", events,
+                        "CSV of discrete events beside the recording: t_ns,channel,value")
+            ->check(CLI::ExistingFile);
+    }
+
     Recording read() const {
         Recording recording = read_recording(path, salvage ? Salvage::yes : Salvage::no);
         if (!recording.damage.empty())
@@ -32,6 +40,7 @@ struct InputOptions {
                          recording.damage.c_str(), recording.size());
         if (!recording.note.empty())
             std::fprintf(stderr, "fairlead-sim: %s: %s\n", path.c_str(), recording.note.c_str());
+        recording.events = read_events(events);
         return recording;
     }
 };
@@ -101,6 +110,10 @@ inline void check_guarantee(const Replay& result) {
             throw BadData(result.name + ": " + std::to_string(channel->violations) +
                           " samples outside tolerance, " + std::to_string(channel->changed) +
                           " changed after they were covered");
+    if (result.events.wrong > 0 || result.events.late > 0)
+        throw BadData(result.name + ": " + std::to_string(result.events.wrong) +
+                      " events are wrong or missing, " + std::to_string(result.events.late) +
+                      " came late");
 }
 
 }  // namespace fairlead::sim

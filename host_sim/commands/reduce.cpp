@@ -48,6 +48,7 @@ void add_reduce(CLI::App& app) {
         app.add_subcommand("reduce", "Reduce a recording to a stream of few knots, unfiltered");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
+    options->input.add_events_to(*command);
     add_mode(*command, options->replay.mode);
     add_tolerances(*command, options->replay, true);
     command->add_option("--channel", options->channel, "What to reduce")

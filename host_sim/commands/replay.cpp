@@ -27,6 +27,8 @@ void write_results(const Replay& result, const std::string& folder) {
     if (failed) throw BadData(folder + ": cannot be made: " + failed.message());
     write_bytes(folder + "/filtered.tum", to_tum(result.input));
     write_bytes(folder + "/stream.flr", result.stream);
+    if (result.events.offered > 0)
+        write_bytes(folder + "/events.csv", to_events_csv(result.events.decoded));
     write_bytes(folder + "/report.html", report_page(result));
     std::printf("%-24s %s\n", "report", (folder + "/report.html").c_str());
 }
@@ -46,11 +48,12 @@ void add_replay(CLI::App& app) {
                                        "attitude of an IMU, filter, reduce, codec");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
+    options->input.add_events_to(*command);
     command->add_option("--filter", options->replay.filter, "Filters, see below; default: none");
     add_mode(*command, options->replay.mode);
     add_tolerances(*command, options->replay, false);
     command->add_option("--out", options->out,
-                        "Folder for filtered.tum, stream.flr and report.html");
+                        "Folder for filtered.tum, stream.flr, events.csv and report.html");
     command->footer(filter_help);
     command->callback([options] { run(*options); });
 }

@@ -136,6 +136,39 @@ def test_filter_columns_and_constant_rate(folder):
         assert rotation_angle(q, [math.cos(i * 0.01), 0, math.sin(i * 0.01), 0]) < 1e-5, row
 
 
+def test_discrete_events_go_through(folder):
+    trk, events = folder / "in.trk", folder / "events.csv"
+    spec = "model:optical+press:3:4:6+rest:1+reach:0.8:3+rest:1"
+    expect(2, "generate", spec, "--out", trk, says="--events")
+    must("generate", spec, "--seed", 5, "--out", trk, "--events", events)
+    written = events.read_text()
+    assert written.startswith("t_ns,channel,value,gap\n") and written.count("\n") == 13
+    stream, out = folder / "s.flr", folder / "out.csv"
+    summary = json.loads(must("reduce", trk, "--events", events, "--tol-pos", "1e-3", "--tol-rot",
+                              "0.004", "--out", stream, "--json"))
+    assert summary["events"]["count"] == 12 and summary["events"]["refused"] == 0
+    shares = sum(summary[key]["bytes"] for key in ("position", "orientation", "events"))
+    assert shares == summary["bytes"] == stream.stat().st_size
+    must("decode", stream, "--events", out)
+    assert out.read_text() == written
+    assert "12 on 1 channel, in" in must("info", stream)
+    assert "12, 0 refused" in must("replay", trk, "--events", events, "--out", folder / "r")
+    assert (folder / "r" / "events.csv").read_text() == written
+    expect(2, "decode", stream, says="--events")
+    expect(2, "decode", stream, "--at", trk)
+    data = bytearray(stream.read_bytes())
+    for at in range(len(data) // 3, len(data), len(data) // 3):
+        data[at] ^= 4
+    stream.write_bytes(data)
+    expect(1, "decode", stream, "--events", out, says="damage")
+    lines = out.read_text().splitlines()
+    assert len(lines) >= 11 and {line[:-2] for line in lines} <= {l[:-2] for l in written.splitlines()}
+    for text, says in (("1,2\n", "line 1: 2 columns"), ("x,1,1\n", "nanoseconds"),
+                       ("1,70000,1\n", "65535"), ("1,1,1,2\n", "gap is 0 or 1")):
+        events.write_text(text)
+        expect(1, "replay", trk, "--events", events, says=says)
+
+
 def test_replay_writes_its_folder(folder):
     trk = generated(folder)
     out = folder / "a" / "b"

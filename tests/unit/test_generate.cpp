@@ -94,6 +94,25 @@ TEST(Generate, EventsTakeRecordsAndChannelsAway) {
     EXPECT_EQ(longest_ns, 510000000);
 }
 
+TEST(Generate, PressesGoDownAndUpWithinTheirTime) {
+    const Recording r = generate("rest:1+press:5:0.5:4+press:2:1+rest:2", 8);
+    ASSERT_EQ(r.events.size(), 10u);
+    std::uint16_t value[6] = {};
+    for (std::size_t i = 0; i < r.events.size(); ++i) {
+        const Event& event = r.events[i];
+        ASSERT_TRUE(event.channel == 5 || event.channel == 2);
+        EXPECT_EQ(event.value, 1 - value[event.channel]);
+        value[event.channel] = event.value;
+        EXPECT_GE(event.t_ns, 1'000'000'000);
+        EXPECT_LT(event.t_ns, event.channel == 5 ? 1'500'000'000 : 2'000'000'000);
+        if (i > 0) {
+            EXPECT_GE(event.t_ns, r.events[i - 1].t_ns);
+        }
+    }
+    const Recording plain = generate("rest:1+rest:2", 8);
+    EXPECT_EQ(to_trk(plain), to_trk(r)) << "presses change no record";
+}
+
 TEST(Generate, NoiseIsThatOfTheModel) {
     const Recording r = generate("model:optical+rest:100", 11);
     ASSERT_EQ(r.size(), 12000u);

@@ -36,7 +36,10 @@ void expect_guarantee(const Replay& r) {
     }
     EXPECT_LE(r.position.max_error, r.options.tol_pos_m);
     EXPECT_LE(r.orientation.max_error, r.options.tol_rot_rad);
-    EXPECT_EQ(r.position.bytes + r.orientation.bytes, r.stream.size());
+    EXPECT_EQ(r.position.bytes + r.orientation.bytes + r.events.bytes, r.stream.size());
+    EXPECT_EQ(r.events.wrong, 0u);
+    EXPECT_EQ(r.events.late, 0u);
+    EXPECT_EQ(r.events.decoded.size() + r.events.refused, r.events.offered);
 }
 
 }  // namespace
@@ -60,6 +63,36 @@ TEST(Replay, HoldsItsGuaranteeOverMotionsTolerancesAndDelays) {
             EXPECT_GT(r.position.max_raw, r.position.max_error);
         }
     }
+}
+
+TEST(Replay, CarriesDiscreteEventsWhateverHappensToTheMotion) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        Recording recording = generate(
+            "model:optical+press:0:6:20+press:7:3:5+rest:1+reach:0.7:4+gap:0.3+turn:0.8:12+rest:1",
+            seed);
+        ASSERT_EQ(recording.events.size(), 50u);
+        for (const SpecItem& item : parse_spec("nan:3+repeat:5+backward:3"))
+            spoil_records(recording, item, seed);
+        recording.events.push_back({recording.poses.back().t_ns + 5'000'000'000, 9, 500, 0});
+        ReplayOptions options;
+        options.filter = seed == 2 ? "binomial:17" : "";
+        const Replay r = replay(recording, options);
+        expect_guarantee(r);
+        EXPECT_EQ(r.events.refused, 0u);
+        ASSERT_EQ(r.events.decoded.size(), recording.events.size());
+        for (std::size_t i = 0; i < recording.events.size(); ++i) {
+            EXPECT_EQ(r.events.decoded[i].t_ns, recording.events[i].t_ns);
+            EXPECT_EQ(r.events.decoded[i].channel, recording.events[i].channel);
+            EXPECT_EQ(r.events.decoded[i].value, recording.events[i].value);
+        }
+        EXPECT_LT(r.events.bytes, 24 * recording.events.size());
+    }
+    Recording burst = generate("rest:1", 1);
+    for (int i = 0; i < 30; ++i) burst.events.push_back({500'000'000, 1, 1, 0});
+    const Replay r = replay(burst, {});
+    EXPECT_EQ(r.events.refused, 22u);
+    EXPECT_EQ(r.events.wrong + r.events.late, 0u);
 }
 
 TEST(Replay, CountsFaultsAndGoesOn) {

@@ -57,15 +57,15 @@ constexpr std::size_t fairing_latency(int order, std::size_t rounds, bool altern
 
 /// One channel's rounds. Samples are numbered as they come, modulo 2^32; level r holds the newest
 /// values after r rounds.
-template <class Channel, int Order, std::size_t Rounds, std::size_t Latency>
+template <class Channel, int Order, std::size_t RoundsMax, std::size_t Latency>
 class FairingTrack {
     using Value = typename Channel::Value;
     using Index = std::uint32_t;
     static constexpr Index depth = 8;  // values a level keeps: 3 behind, 3 ahead, 2 in the making
 
   public:
-    FairingTrack(float damping, float bound, bool alternate) noexcept
-        : bound_{bound}, damping_{damping}, alternate_{alternate} {}
+    FairingTrack(std::size_t rounds, float damping, float bound, bool alternate) noexcept
+        : bound_{bound}, rounds_{rounds}, damping_{damping}, alternate_{alternate} {}
 
     void push(const Value& value, bool starts) noexcept {
         if (starts) end_segment();
@@ -89,16 +89,16 @@ class FairingTrack {
     /// whose first value waits for more than the others, and at its end, which waits for nothing.
     void advance() noexcept {
         for (int pass = 0; pass < 2; ++pass) {
-            for (std::size_t r = 1; r <= Rounds; ++r) advance_level(r);
+            for (std::size_t r = 1; r <= rounds_; ++r) advance_level(r);
         }
     }
 
     /// The next value. It waits for more passes only when a stream shorter than the latency is
     /// flushed.
     Value take() noexcept {
-        for (std::size_t i = 0; i <= 2 * Rounds && made_[Rounds] == taken_; ++i) advance();
-        FAIRLEAD_ASSERT(made_[Rounds] != taken_);
-        return levels_[Rounds][taken_++ % depth];
+        for (std::size_t i = 0; i <= 2 * rounds_ && made_[rounds_] == taken_; ++i) advance();
+        FAIRLEAD_ASSERT(made_[rounds_] != taken_);
+        return levels_[rounds_][taken_++ % depth];
     }
 
     void clear() noexcept {
@@ -121,7 +121,7 @@ class FairingTrack {
 
     void advance_level(std::size_t r) noexcept {
         const Index k = made_[r], known = made_[r - 1] - k;
-        const Index unread = r < Rounds ? k - made_[r + 1] + 3 : k - taken_;
+        const Index unread = r < rounds_ ? k - made_[r + 1] + 3 : k - taken_;
         if (known == 0 || unread >= depth) return;
         const bool mirrored = alternate_ && (r - 1) % 2 == 1;
         FairingPlace place{place_[k % kept].before, 0, mirrored};
@@ -138,12 +138,13 @@ class FairingTrack {
         made_[r] = k + 1;
     }
 
-    std::array<std::array<Value, depth>, Rounds + 1> levels_{};
-    std::array<Index, Rounds + 1> made_{};  // values so far, per level
+    std::array<std::array<Value, depth>, RoundsMax + 1> levels_{};
+    std::array<Index, RoundsMax + 1> made_{};  // values so far, per level
     std::array<Value, kept> raw_{};
     std::array<Place, kept> place_{};
     Index taken_{0};
     FairingBound<Channel> bound_;
+    std::size_t rounds_;
     float damping_;
     bool alternate_;
     bool open_{false};
@@ -151,23 +152,30 @@ class FairingTrack {
 
 }  // namespace detail
 
-/// A pose stream, faired. Alternate: rho_3 mirrored in every second round.
-template <int Order, std::size_t Rounds, bool Alternate = false>
-class FairingWindow {
-    static_assert(Rounds > 0 && (Order == 3 || !Alternate));
+/// A pose stream, faired; the rounds are chosen at run time, at least 1 and at most RoundsMax.
+/// Alternate: rho_3 mirrored in every second round.
+template <int Order, std::size_t RoundsMax, bool Alternate = false>
+class AnyFairingWindow {
+    static_assert(RoundsMax > 0 && (Order == 3 || !Alternate));
 
   public:
-    static constexpr std::size_t latency = detail::fairing_latency(Order, Rounds, Alternate);
+    static constexpr std::size_t latency_max = detail::fairing_latency(Order, RoundsMax, Alternate);
 
-    explicit FairingWindow(const FairingParams& params = {}) noexcept
-        : position_{params.damping_p, params.bound_m, Alternate},
-          orientation_{params.damping_q, params.bound_rad, Alternate} {}
+    explicit AnyFairingWindow(std::size_t rounds, const FairingParams& params = {}) noexcept
+        : position_{rounds, params.damping_p, params.bound_m, Alternate},
+          orientation_{rounds, params.damping_q, params.bound_rad, Alternate},
+          delay_{detail::fairing_latency(Order, rounds, Alternate)} {
+        FAIRLEAD_ASSERT(rounds > 0 && rounds <= RoundsMax);
+    }
+
+    /// Records between a record and its faired one.
+    std::size_t delay() const noexcept { return delay_; }
 
     std::optional<Pose> push(const Pose& pose) noexcept {
         feed(position_, pose);
         feed(orientation_, pose);
         records_.push(pose);
-        if (records_.size() <= latency) return std::nullopt;
+        if (records_.size() <= delay_) return std::nullopt;
         return take();
     }
 
@@ -192,7 +200,7 @@ class FairingWindow {
 
   private:
     template <class Channel>
-    using Track = detail::FairingTrack<Channel, Order, Rounds, latency>;
+    using Track = detail::FairingTrack<Channel, Order, RoundsMax, latency_max>;
     using Position = detail::FairPosition<float>;
     using Orientation = detail::FairOrientation<float>;
 
@@ -214,9 +222,19 @@ class FairingWindow {
         return record;
     }
 
-    Ring<Pose, latency + 1> records_{};
+    Ring<Pose, latency_max + 1> records_{};
     Track<Position> position_;
     Track<Orientation> orientation_;
+    std::size_t delay_;
+};
+
+/// The same with rounds and latency in the type.
+template <int Order, std::size_t Rounds, bool Alternate = false>
+class FairingWindow : public AnyFairingWindow<Order, Rounds, Alternate> {
+  public:
+    static constexpr std::size_t latency = detail::fairing_latency(Order, Rounds, Alternate);
+    explicit FairingWindow(const FairingParams& params = {}) noexcept
+        : AnyFairingWindow<Order, Rounds, Alternate>{Rounds, params} {}
 };
 
 }  // namespace fairlead

@@ -143,15 +143,18 @@ class StrainOrientationTrack {
 
 }  // namespace detail
 
-/// Smooths a stream, Lag records late.
-template <std::size_t Lag>
-class StrainSmoother {
+/// Smooths a stream, `lag` records late: chosen at run time, at most LagMax.
+template <std::size_t LagMax>
+class AnyStrainSmoother {
   public:
-    static constexpr std::size_t latency = Lag;
+    /// params.steps: Gauss-Newton steps a push; one is enough where the lag is strain_lag().
+    AnyStrainSmoother(const StrainParams& params, std::size_t lag) noexcept
+        : position_{params.position}, orientation_{params.orientation, params.steps}, lag_{lag} {
+        FAIRLEAD_ASSERT(lag <= LagMax);
+    }
 
-    /// params.steps: Gauss-Newton steps a push; one is enough where Lag is strain_lag().
-    explicit StrainSmoother(const StrainParams& params) noexcept
-        : position_{params.position}, orientation_{params.orientation, params.steps} {}
+    /// Records between a record and its smoothed one.
+    std::size_t delay() const noexcept { return lag_; }
 
     std::optional<Pose> push(const Pose& pose) noexcept {
         if (pose.flags & (flag::gap_before | flag::position_gap)) position_.gap();
@@ -160,7 +163,7 @@ class StrainSmoother {
         if (pose.flags & flag::orientation_valid) orientation_.push(pose.q_wb, pose.t_ns);
         orientation_.solve();
         records_.push(pose);
-        if (records_.size() <= Lag) return std::nullopt;
+        if (records_.size() <= lag_) return std::nullopt;
         return take();
     }
 
@@ -189,9 +192,19 @@ class StrainSmoother {
         return record;
     }
 
-    Ring<Pose, Lag + 1> records_{};
-    detail::StrainPositionTrack<Lag> position_;
-    detail::StrainOrientationTrack<Lag> orientation_;
+    Ring<Pose, LagMax + 1> records_{};
+    detail::StrainPositionTrack<LagMax> position_;
+    detail::StrainOrientationTrack<LagMax> orientation_;
+    std::size_t lag_;
+};
+
+/// The same with the lag in the type.
+template <std::size_t Lag>
+class StrainSmoother : public AnyStrainSmoother<Lag> {
+  public:
+    static constexpr std::size_t latency = Lag;
+    explicit StrainSmoother(const StrainParams& params) noexcept
+        : AnyStrainSmoother<Lag>{params, Lag} {}
 };
 
 }  // namespace fairlead

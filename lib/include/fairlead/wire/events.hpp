@@ -194,11 +194,12 @@ class EventReader {
     struct Counters {
         std::uint32_t frames{0};
         std::uint32_t events{0};  // new ones
+        std::uint64_t bytes{0};   // of the frames
         std::uint32_t lost{0};    // missing in the numbers: refused by the sender, or lost
     };
 
-    /// A frame's payload whose checksum is right. @return false where it is nonsense.
-    bool parse(BitReader& io) noexcept {
+    /// The payload of a frame whose checksum is right. @return false where it is nonsense.
+    bool parse(BitReader& io, std::size_t frame_size) noexcept {
         size_ = turn_ = 0;
         std::uint32_t next = 0, count = 0;
         if (!wire::event_header(io, next, count)) return false;
@@ -226,6 +227,7 @@ class EventReader {
         known_ = true;
         expected_ = next;
         ++counters_.frames;
+        counters_.bytes += frame_size;
         counters_.events += static_cast<std::uint32_t>(size_);
         return true;
     }
