@@ -234,6 +234,12 @@ bench-smooth: setup-build setup-bench ## time strain smoothing beside gradient d
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-smooth
 	$(BUILD)/bench-smooth
 
+.PHONY: compare
+COMPARED = $(wildcard $(RECORDINGS)/tracker120/*.trk)
+compare: setup-build sim ## our causal filters beside their rivals, on all recordings: the tables and plot of docs/choose.md (minutes)
+	$(BUILD)/fairlead-sim compare $(COMPARED) --seconds 12 --page docs/choose.md --out $(BUILD)/compare
+	@cp $(BUILD)/compare/compare_06*.svg docs/img/compare.svg
+
 .PHONY: experiments
 experiments: setup-demo sim ## rerun the papers' experiments: rewrites the tables and plots of docs/experiments
 	$(BUILD)/fairlead-sim experiment all --out docs/experiments

@@ -14,6 +14,9 @@ const char* const filter_help =
     "    hu:LAMBDA               sharpening mask H^U\n"
     "    sg:N:P                  Savitzky-Golay, N taps (odd), degree P, centred\n"
     "    csg:N:P                 the same read at the newest sample: no latency\n"
+    "    late:N:P:LAG            read LAG samples back, any number; P from 1 (line) to 2 "
+    "(parabola)\n"
+    "    zerolag:GAIN            causal, no lag at constant rate, noise GAIN times the input's\n"
     "    taps:A,B,...@CENTRE     taps of your own, oldest first, centre counted from 0\n"
     "    adaptive:HZ:SLOPE       causal, cut-off HZ at rest, growing by SLOPE Hz per rad/s or m/s\n"
     "    strain:HZ[:LAG]         strain smoothing, cut-off HZ; LAG records late, 0 to 400\n"
@@ -68,6 +71,13 @@ AMask savitzky_golay(const SpecItem& item, bool causal) {
         AMask::savitzky_golay(n, static_cast<std::size_t>(degree), causal ? n - 1 : n / 2), item);
 }
 
+AMask late_mask_of(const SpecItem& item) {
+    item.expect_arguments(3, 3);
+    const long n = item.whole(0, 2, taps_most);
+    const double late = item.number(2, 0, static_cast<double>(n - 1));
+    return checked(AMask::late(static_cast<std::size_t>(n), item.number(1, 1, 2), late), item);
+}
+
 AMask mask_of(const SpecItem& item) {
     if (item.name == "binomial") {
         item.expect_arguments(1, 1);
@@ -81,8 +91,16 @@ AMask mask_of(const SpecItem& item) {
     }
     if (item.name == "sg") return savitzky_golay(item, false);
     if (item.name == "csg") return savitzky_golay(item, true);
+    if (item.name == "late") return late_mask_of(item);
+    if (item.name == "zerolag") {
+        item.expect_arguments(1, 1);
+        const auto mask = AMask::zero_lag(item.number(0, 1e-6, 1));
+        if (!mask) item.refuse("needs more than 257 taps: about 4 / GAIN^2");
+        return *mask;
+    }
     if (item.name == "taps") return own_taps(item);
-    item.refuse("unknown filter: binomial, hs, hu, sg, csg, taps, adaptive, strain or fair");
+    item.refuse(
+        "unknown filter: binomial, hs, hu, sg, csg, late, zerolag, taps, adaptive, strain or fair");
 }
 
 NamedFilter adaptive_of(const SpecItem& item) {

@@ -14,7 +14,7 @@ namespace {
 
 struct Options {
     std::vector<std::string> files;
-    std::string out;
+    std::string out, page;
     NoisePlan noise{0.002, 0.02, 1, 20};
     double above_hz{5};
 };
@@ -83,22 +83,41 @@ std::string match_table(const std::vector<Match>& all, const Side& side) {
     return table.text();
 }
 
-/// How often ours is at least as good, and by how much.
-std::vector<std::string> summary_row(const std::string& name, const std::vector<Match>& all) {
+/// One channel over all recordings: how often ours is better, by how much, and where it is not.
+struct Summary {
+    Table table;
+    std::size_t count{}, quieter{}, earlier{};
+    std::string exceptions;
+};
+
+std::string exception(const std::string& name, const Match& m, const Side& side) {
+    std::string line =
+        "- " + name + ", " + text_of(m.rival.entry) +
+        formatted(": lag %.2f, noise %.3f ", m.rival.lag, m.rival.noise * side.scale) + side.unit;
+    if (m.same_lag.entry)
+        line += formatted("; ours at that lag %.3f ", m.same_lag.noise * side.scale) + side.unit;
+    if (m.same_noise.entry) line += formatted("; at that noise lag %.2f", m.same_noise.lag);
+    return line + "\n";
+}
+
+void add_row(Summary& summary, const std::string& name, const std::vector<Match>& all,
+             const Side& side) {
     std::vector<double> ratios, saved;
     std::size_t count = 0, quieter = 0, earlier = 0;
     for (const auto& m : all) {
         if (m.rival.lag > lag_of_interest) continue;
         ++count;
-        if (m.same_lag.entry) {
-            ratios.push_back(m.same_lag.noise / m.rival.noise);
-            if (ratios.back() < 1) ++quieter;
-        }
-        if (m.same_noise.entry) {
-            saved.push_back(m.rival.lag - m.same_noise.lag);
-            if (saved.back() > 0) ++earlier;
-        }
+        if (m.same_lag.entry) ratios.push_back(m.same_lag.noise / m.rival.noise);
+        if (m.same_noise.entry) saved.push_back(m.rival.lag - m.same_noise.lag);
+        const bool quiet = m.same_lag.entry && ratios.back() < 1;
+        const bool early = m.same_noise.entry && saved.back() > 0;
+        quieter += quiet;
+        earlier += early;
+        if (!quiet || !early) summary.exceptions += exception(name, m, side);
     }
+    summary.count += count;
+    summary.quieter += quieter;
+    summary.earlier += earlier;
     const auto middle = [](std::vector<double>& v, const char* pattern) -> std::string {
         if (v.empty()) return "-";
         std::sort(v.begin(), v.end());
@@ -111,9 +130,28 @@ std::vector<std::string> summary_row(const std::string& name, const std::vector<
         ratios.empty() ? "-" : formatted("%.2f", *std::max_element(ratios.begin(), ratios.end()));
     const std::string worst_saved =
         saved.empty() ? "-" : formatted("%.2f", *std::min_element(saved.begin(), saved.end()));
-    return {name,        of(quieter), middle(ratios, "%.2f"),
-            worst_ratio, of(earlier), middle(saved, "%.2f"),
-            worst_saved};
+    summary.table.add({name, of(quieter), middle(ratios, "%.2f"), worst_ratio, of(earlier),
+                       middle(saved, "%.2f"), worst_saved});
+}
+
+std::string text_of(const Summary& summary, const Side& side) {
+    const std::string count = std::to_string(summary.count);
+    std::string text = std::string("### ") + side.name + "\n\n" + summary.table.text() +
+                       "\nIn all " + std::to_string(summary.quieter) + " of " + count +
+                       " are quieter at the same lag, and " + std::to_string(summary.earlier) +
+                       " of " + count + " earlier at the same noise.";
+    if (!summary.exceptions.empty()) text += " Not so:\n\n" + summary.exceptions;
+    return text + (summary.exceptions.empty() ? "\n\n" : "\n");
+}
+
+/// Puts the tables between the page's marks.
+void write_page(const std::string& path, const std::string& tables) {
+    static const std::string from = "<!-- compare -->\n", to = "<!-- compare: end -->";
+    std::string page = read_bytes(path);
+    const auto a = page.find(from), b = page.find(to);
+    if (a == std::string::npos || b == std::string::npos || b < a)
+        throw BadData(path + ": has no place for the tables");
+    write_bytes(path, page.replace(a + from.size(), b - a - from.size(), "\n" + tables));
 }
 
 Panel panel(const std::vector<Entry>& entries, const Side& side, const std::string& name) {
@@ -140,7 +178,8 @@ void run(const Options& options) {
         "recording", "quieter at the same lag",   "noise ratio: middle",
         "worst",     "earlier at the same noise", "lag saved: middle",
         "least"};
-    std::vector<Table> summaries{Table{head}, Table{head}};
+    std::vector<Summary> summaries{{Table{head}, 0, 0, 0, {}}, {Table{head}, 0, 0, 0, {}}};
+    std::size_t ours = 0, rivals = 0;
     for (const auto& file : options.files) {
         const auto recording = read_recording(file);
         const auto motion = noisy(recording, options.noise);
@@ -150,7 +189,7 @@ void run(const Options& options) {
         for (std::size_t k = 0; k < 2; ++k) {
             const Side& side = sides[k];
             const auto all = matches(entries, side.channel);
-            summaries[k].add(summary_row(stem_of(file), all));
+            add_row(summaries[k], stem_of(file), all, side);
             panels.push_back(panel(entries, side, stem_of(file)));
             report += std::string("## ") + side.name + "\n\n" + family_table(entries, side) + "\n" +
                       match_table(all, side) + "\n";
@@ -162,10 +201,15 @@ void run(const Options& options) {
             write_bytes(base + ".md", report);
             write_plot(base + ".svg", panels, 860, 420);
         }
+        ours = rivals = 0;
+        for (const Entry& entry : entries) ++(entry.ours ? ours : rivals);
         std::fprintf(stderr, "%s: %zu settings\n", stem_of(file).c_str(), entries.size());
     }
-    for (std::size_t k = 0; k < 2; ++k)
-        std::printf("## %s\n\n%s\n", sides[k].name, summaries[k].text().c_str());
+    std::string tables = std::to_string(ours) + " settings of ours, " + std::to_string(rivals) +
+                         " of the rivals.\n\n";
+    for (std::size_t k = 0; k < 2; ++k) tables += text_of(summaries[k], sides[k]);
+    if (!options.page.empty()) write_page(options.page, tables);
+    std::fputs(tables.c_str(), stdout);
 }
 
 }  // namespace
@@ -186,6 +230,7 @@ void add_compare(CLI::App& app) {
         ->capture_default_str();
     command->add_option("--above", options->above_hz, "Noise is what remains above this, Hz")
         ->capture_default_str();
+    command->add_option("--page", options->page, "Page whose tables are replaced");
     command->add_option("--out", options->out, "Folder for a table and a plot of each recording");
     command->callback([options] { run(*options); });
 }

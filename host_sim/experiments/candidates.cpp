@@ -25,7 +25,22 @@ class StageFilter final : public CausalFilter {
     Stage stage_;
 };
 
-constexpr std::size_t settings = 24;
+/// The line of the adaptive filter, read where it was a while ago: any time, not only a record's.
+class LateLine final : public CausalFilter {
+  public:
+    LateLine(const AdaptiveParams& q, const AdaptiveParams& p, double late_s)
+        : line_{q, p}, late_ns_{std::llround(late_s * 1e9)} {}
+    Pose push(const Pose& pose) override {
+        line_.push(pose);
+        return line_.predict(pose.t_ns - late_ns_);
+    }
+
+  private:
+    AdaptivePoseFilter line_;
+    std::int64_t late_ns_;
+};
+
+constexpr std::size_t settings = 24, taps_max = 129;
 
 /// Setting i of `settings`, evenly over the logarithm.
 double between(double low, double high, std::size_t i) {
@@ -41,9 +56,9 @@ class List {
         all_.push_back({family, setting, ours, make});
     }
 
-    template <std::size_t Lag>
-    void strain() {
-        const auto family = "strain, lag " + std::to_string(Lag);
+    void strain(std::size_t lag) {
+        using Strain = AnyStrainSmoother<20>;
+        const auto family = "strain, lag " + std::to_string(lag);
         // dense where hands move and filters work: 0.0125 to 0.2 cycles a sample
         constexpr std::size_t dense = 32;
         for (std::size_t i = 0; i < dense; ++i) {
@@ -52,12 +67,11 @@ class List {
             const auto params =
                 StrainParams::from_cutoff(static_cast<float>(hz), static_cast<float>(step_s_), 1);
             add(family, formatted("%.2f Hz", hz), true,
-                [p = *params] { return std::make_unique<StageFilter<StrainSmoother<Lag>>>(p); });
+                [p = *params, lag] { return std::make_unique<StageFilter<Strain>>(p, lag); });
         }
     }
 
     void masks() {
-        constexpr std::size_t taps_max = 129;
         using Mask = AnyMask<taps_max>;
         using Stage = StageFilter<AnyPoseFilter<taps_max>>;
         const auto mask = [this](const std::string& family, std::size_t n, const Mask& m) {
@@ -83,6 +97,31 @@ class List {
                 const AdaptiveParams p{static_cast<float>(hz), static_cast<float>(6 * slope)};
                 add("adaptive", formatted("%.1f Hz, slope %.1f", hz, slope), true,
                     [q, p] { return std::make_unique<StageFilter<AdaptivePoseFilter>>(q, p); });
+            }
+        }
+    }
+
+    void late_lines() {
+        using Mask = AnyMask<taps_max>;
+        using Stage = StageFilter<AnyPoseFilter<taps_max>>;
+        for (double late = 0.2; late < 20; late += late < 3.3 ? 0.24 : (late < 8 ? 0.48 : 1.9)) {
+            for (std::size_t i = 0; i < settings; ++i) {
+                const double hz = between(0.008, 0.4, i) / step_s_;
+                const AdaptiveParams params{static_cast<float>(hz), 0};
+                add("line read late", formatted("%.2f samples, %.2f Hz", late, hz), true,
+                    [params, late, h = step_s_] {
+                        return std::make_unique<LateLine>(params, params, late * h);
+                    });
+            }
+            for (const double degree : {1.0, 1.4, 1.7, 2.0}) {
+                const auto least = static_cast<std::size_t>(late) + 2;
+                for (std::size_t n = least; n < 3 * least + 4; n += 1 + n / 9) {
+                    add("mask read late",
+                        formatted("%.2f samples, degree %.1f, ", late, degree) + std::to_string(n) +
+                            " taps",
+                        true,
+                        [m = *Mask::late(n, degree, late)] { return std::make_unique<Stage>(m); });
+                }
             }
         }
     }
@@ -134,16 +173,9 @@ class List {
 
 std::vector<Candidate> candidates(double step_s) {
     List list{step_s};
-    list.strain<0>();
-    list.strain<1>();
-    list.strain<2>();
-    list.strain<3>();
-    list.strain<4>();
-    list.strain<5>();
-    list.strain<6>();
-    list.strain<7>();
-    list.strain<8>();
-    list.strain<12>();
+    for (const std::size_t lag : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 10u, 12u, 14u, 16u, 18u, 20u})
+        list.strain(lag);
+    list.late_lines();
     list.masks();
     list.adaptive();
     list.rivals();

@@ -58,6 +58,9 @@ TEST(FilterChain, KnowsEveryMask) {
     EXPECT_TRUE(same("hu:1", "taps:-0.0625,-0.25,1.625,-0.25,-0.0625@2"));
     EXPECT_TRUE(same("taps:0,1@1", ""));
     EXPECT_FALSE(same("sg:7:2", "csg:7:2"));
+    EXPECT_TRUE(same("late:7:2:0", "csg:7:2"));
+    EXPECT_TRUE(same("late:4:1:1.5", "taps:0.25,0.25,0.25,0.25@1"));
+    EXPECT_TRUE(same("zerolag:1", "taps:0,1@1"));
 }
 
 TEST(FilterChain, KnowsTheAdaptiveFilter) {
@@ -151,6 +154,11 @@ TEST(FilterChain, BadSpecsAreUsageErrors) {
                              "sg:4:2",
                              "sg:5:5",
                              "csg:5:-1",
+                             "late:7:1",
+                             "late:7:3:1",
+                             "late:7:1:7",
+                             "zerolag:0.01",
+                             "zerolag:1.1",
                              "taps:1",
                              "taps:@0",
                              "taps:0.5,0.4@0",

@@ -1,9 +1,11 @@
 // Masks: their taps against the papers and against dense fits, and what checks refuse.
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <random>
 #include <vector>
 
 #include "fairlead/smooth/mask.hpp"
@@ -67,6 +69,58 @@ TEST(Mask, BinomialIsThePaperOne) {
     }
     EXPECT_NEAR(sum, 1, 1e-7);
     EXPECT_NEAR(variance, 16, 1e-5);  // (Taps - 1) / 4
+}
+
+TEST(Mask, LateMasksReadTheLineAndTheParabolaAnywhere) {
+    const auto mean = late_mask<4, 2>(1, 1.5);  // half-way between two samples: the mean
+    expect_taps(mean, {0.25, 0.25, 0.25, 0.25}, 3e-8);
+    EXPECT_FLOAT_EQ(first_moment(mean), 0.5f);
+    const auto parabola = late_mask<9, 4>(2, 4);
+    const auto usual = savitzky_golay_mask<9, 2>();
+    for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(parabola.tap(i), usual.tap(i));
+    const auto now = late_mask<7, 0>(1, 0);
+    for (std::size_t i = 0; i < 7; ++i)
+        EXPECT_EQ(now.tap(i), (causal_savitzky_golay_mask<7, 1>().tap(i)));
+    using Any = AnyMask<40>;
+    EXPECT_FALSE(Any::late(41, 1, 1));
+    EXPECT_FALSE(Any::late(1, 1, 0));
+    EXPECT_FALSE(Any::late(5, 0.9, 1));
+    EXPECT_FALSE(Any::late(5, 2.1, 1));
+    EXPECT_FALSE(Any::late(5, 1, -0.1));
+    EXPECT_FALSE(Any::late(5, 1, 4.1));
+    EXPECT_FALSE(Any::late(5, std::nan(""), 1));
+}
+
+/// Against the least-norm solution of its three conditions, by a dense pseudo-inverse.
+TEST(Mask, LateMasksLeaveTheLeastNoiseForTheirErrors) {
+    std::minstd_rand random{5};
+    const auto uniform = [&] { return static_cast<double>(random()) / 2147483647.0; };
+    for (int trial = 0; trial < 300; ++trial) {
+        const std::size_t n = 3 + random() % 30;
+        const double degree = trial % 7 == 0 ? 1 + trial % 2 : 1 + uniform();
+        const double late = uniform() * static_cast<double>(n - 1);
+        SCOPED_TRACE(testing::Message() << n << " taps, degree " << degree << ", late " << late);
+        const auto mask = AnyMask<40, double>::late(n, degree, late);
+        ASSERT_TRUE(mask);
+        EXPECT_EQ(mask->centre(), n - 1 - static_cast<std::size_t>(late + 0.5));
+        // samples at x, 0 where the mask is read; rows: what a constant, a rate and an
+        // acceleration weigh
+        Eigen::MatrixXd rows(3, n);
+        for (std::size_t i = 0; i < n; ++i) {
+            const double x = static_cast<double>(i) - (static_cast<double>(n - 1) - late);
+            rows.col(static_cast<Eigen::Index>(i)) << 1, x, x * x / 2;
+        }
+        // the line's error about an acceleration, of which the mask may have a share
+        const Eigen::MatrixXd two = rows.topRows(2);
+        const Eigen::VectorXd line =
+            two.transpose() * (two * two.transpose()).ldlt().solve(Eigen::Vector2d(1, 0));
+        const double allowed = (2 - degree) * (rows.row(2) * line).value();
+        const Eigen::VectorXd least =
+            rows.transpose() *
+            (rows * rows.transpose()).fullPivLu().solve(Eigen::Vector3d(1, 0, allowed));
+        for (std::size_t i = 0; i < n; ++i)
+            EXPECT_NEAR(mask->tap(i), least(static_cast<Eigen::Index>(i)), 1e-9) << "tap " << i;
+    }
 }
 
 TEST(Mask, SmoothingAndSharpeningHaveThePapersSteps) {
@@ -214,6 +268,8 @@ TEST(Mask, FiguresOfTheManual) {
                 {"sg:21:4", M::savitzky_golay(21, 4, 10)},
                 {"csg:9:1", M::savitzky_golay(9, 1, 8)},
                 {"csg:15:2", M::savitzky_golay(15, 2, 14)},
+                {"late:9:1:1.5", M::late(9, 1, 1.5)},
+                {"late:9:1.7:1", M::late(9, 1.7, 1)},
                 {"zero_lag 0.7", M::zero_lag(0.7)},
                 {"zero_lag 0.5", M::zero_lag(0.5)},
                 {"zero_lag 0.3", M::zero_lag(0.3)}};

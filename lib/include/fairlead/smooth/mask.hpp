@@ -94,8 +94,18 @@ class AnyMask {
                                                     std::size_t centre) noexcept {
         if (size > Capacity || degree >= size) return Status::bad_argument;
         std::array<double, Capacity> a{};
-        detail::fill_savitzky_golay(a.data(), size, centre, degree);
+        detail::fill_savitzky_golay(a.data(), size, static_cast<double>(centre),
+                                    static_cast<double>(degree));
         return from_taps(a.data(), size, centre);
+    }
+
+    /// As late_mask(); the centre is the sample nearest to `late`.
+    static constexpr Result<AnyMask> late(std::size_t size, double degree, double late) noexcept {
+        if (size > Capacity || !detail::can_be_late(size, degree, late))
+            return Status::bad_argument;
+        std::array<double, Capacity> a{};
+        detail::fill_savitzky_golay(a.data(), size, static_cast<double>(size - 1) - late, degree);
+        return from_taps(a.data(), size, size - 1 - static_cast<std::size_t>(late + 0.5));
     }
 
     /// Causal, without lag at constant rate, noise brought down to noise_gain (0 < gain <= 1).
@@ -150,7 +160,7 @@ constexpr Mask<Taps> savitzky_golay_mask() noexcept {
     static_assert(Taps % 2 == 1, "a centred mask has an odd number of taps");
     static_assert(Degree < Taps);
     std::array<double, Taps> a{};
-    detail::fill_savitzky_golay(a.data(), Taps, Taps / 2, Degree);
+    detail::fill_savitzky_golay(a.data(), Taps, Taps / 2, double{Degree});
     return Mask<Taps>{a};
 }
 
@@ -160,7 +170,7 @@ template <std::size_t Taps, std::size_t Degree>
 constexpr Mask<Taps, Taps - 1> causal_savitzky_golay_mask() noexcept {
     static_assert(Degree < Taps);
     std::array<double, Taps> a{};
-    detail::fill_savitzky_golay(a.data(), Taps, Taps - 1, Degree);
+    detail::fill_savitzky_golay(a.data(), Taps, double{Taps - 1}, double{Degree});
     return Mask<Taps, Taps - 1>{a};
 }
 
@@ -178,6 +188,20 @@ constexpr Mask<Taps, Taps - 1> zero_lag_mask(double noise_gain) noexcept {
     std::array<double, Taps> a{};
     detail::fill_zero_lag(a.data(), Taps, noise_gain);
     return Mask<Taps, Taps - 1>{a};
+}
+
+/// Causal, and at a constant rate `late` samples late, which may be any number: reading a little
+/// late costs far less noise than reading now. Of all masks of its length that are wrong about a
+/// constant acceleration by no more it leaves the least noise: degree 1 is as wrong as a line,
+/// degree 2 is right, 1.4 is 0.6 times as wrong as the line. The result stands at the centre tap,
+/// `Latency` records back, and is true first_moment() samples, at most half of one, beside it.
+template <std::size_t Taps, std::size_t Latency>
+constexpr Mask<Taps, Taps - 1 - Latency> late_mask(double degree, double late) noexcept {
+    FAIRLEAD_ASSERT(detail::can_be_late(Taps, degree, late));
+    FAIRLEAD_ASSERT(static_cast<std::size_t>(late + 0.5) == Latency);
+    std::array<double, Taps> a{};
+    detail::fill_savitzky_golay(a.data(), Taps, static_cast<double>(Taps - 1) - late, degree);
+    return Mask<Taps, Taps - 1 - Latency>{a};
 }
 
 /// Sum of a_m m: how many samples a constant-rate motion is ahead (> 0) or late (< 0).

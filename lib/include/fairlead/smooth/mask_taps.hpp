@@ -58,30 +58,36 @@ constexpr void fill_binomial(double* a, std::size_t size) noexcept {
     }
 }
 
-/// The least-squares polynomial of the given degree through all samples, read at the centre
-/// [Savitzky & Golay 1964]. Discrete orthogonal polynomials by their three-term recurrence: tap i =
-/// sum_k p_k(i) p_k(centre) / |p_k|^2.
-constexpr void fill_savitzky_golay(double* a, std::size_t size, std::size_t centre,
-                                   std::size_t degree) noexcept {
+/// The least-squares polynomial of the given degree through all samples, read at a place among
+/// them, which may be between two [Savitzky & Golay 1964]. Discrete orthogonal polynomials by their
+/// three-term recurrence: tap i = sum_k p_k(i) p_k(place) / |p_k|^2. A degree may be broken: 1.4
+/// stands 0.4 of the way from the line to the parabola.
+constexpr void fill_savitzky_golay(double* a, std::size_t size, double place,
+                                   double degree) noexcept {
     // monic: p_{k+1}(x) = x p_k(x) - beta_k p_{k-1}(x) on equal steps symmetric about 0
     const auto n = static_cast<double>(size), scale = size > 1 ? 2 / (n - 1) : 1;
-    const auto x_of = [n, scale](std::size_t i) {
-        return (static_cast<double>(i) - (n - 1) / 2) * scale;
-    };
+    const auto x_of = [n, scale](double i) { return (i - (n - 1) / 2) * scale; };
     for (std::size_t i = 0; i < size; ++i) {
-        const double x = x_of(i), c = x_of(centre);
+        const double x = x_of(static_cast<double>(i)), c = x_of(place);
         double px = 1, px_before = 0, pc = 1, pc_before = 0, norm = n, sum = 1 / n;
-        for (std::size_t k = 1; k <= degree && k < size; ++k) {
+        for (std::size_t k = 1; static_cast<double>(k) < degree + 1 && k < size; ++k) {
             const auto j = static_cast<double>(k - 1);
             const double beta = j * j * (n * n - j * j) / (4 * (4 * j * j - 1)) * scale * scale;
             const double px_next = x * px - beta * px_before, pc_next = c * pc - beta * pc_before;
             px_before = px, pc_before = pc, px = px_next, pc = pc_next;
             const auto d = static_cast<double>(k);
             norm *= d * d * (n * n - d * d) / (4 * (4 * d * d - 1)) * scale * scale;
-            sum += px * pc / norm;
+            const double share = degree < d ? degree - j : 1;  // of the last, broken degree
+            sum += share * px * pc / norm;
         }
         a[i] = sum;
     }
+}
+
+/// What late masks there are: between the line and the parabola, read within their samples.
+constexpr bool can_be_late(std::size_t size, double degree, double late) noexcept {
+    return size >= 2 && degree >= 1 && degree <= 2 && late >= 0 &&
+           late <= static_cast<double>(size - 1);
 }
 
 /// Variance of the newest point of the line through n samples, over that of a sample.
@@ -106,7 +112,7 @@ constexpr void fill_zero_lag(double* a, std::size_t size, double gain) noexcept 
     double way = 1;  // square root by Newton; within [0, 1]
     for (int i = 0; i < 60 && square > 0; ++i) way = (way + square / way) / 2;
     if (!(square > 0)) way = 0;
-    fill_savitzky_golay(a, size, size - 1, 1);
+    fill_savitzky_golay(a, size, static_cast<double>(size - 1), 1);
     const auto n = static_cast<double>(size - 1);
     for (std::size_t i = 0; i < size; ++i) {
         // the shorter line in closed form: 2 (2 n - 1 - 3 age) / (n (n + 1))
