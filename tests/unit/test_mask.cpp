@@ -268,7 +268,7 @@ TEST(Mask, FiguresOfTheManual) {
                 {"sg:21:4", M::savitzky_golay(21, 4, 10)},
                 {"csg:9:1", M::savitzky_golay(9, 1, 8)},
                 {"csg:15:2", M::savitzky_golay(15, 2, 14)},
-                {"late:9:1:1.5", M::late(9, 1, 1.5)},
+                {"late:9:1:1", M::late(9, 1, 1)},
                 {"late:9:1.7:1", M::late(9, 1.7, 1)},
                 {"zero_lag 0.7", M::zero_lag(0.7)},
                 {"zero_lag 0.5", M::zero_lag(0.5)},
