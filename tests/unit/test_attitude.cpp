@@ -135,8 +135,8 @@ TEST(Attitude, LearnsAScaleErrorInMotion) {
     Motion motion{world};
     Attitude filter;
     worst(filter, motion, 100, 100, leave);
-    EXPECT_NEAR(filter.state().gyro_matrix.scale.x, 0.015, 0.004);
-    EXPECT_NEAR(filter.state().gyro_matrix.scale.y, 0, 0.004);
+    EXPECT_NEAR(filter.state().gyro_matrix.xx, 0.015, 0.004);
+    EXPECT_NEAR(filter.state().gyro_matrix.yy, 0, 0.004);
 }
 
 TEST(Attitude, StartsInMotion) {

@@ -117,7 +117,7 @@ TEST(GyroTurnFit, FindsScaleFromAKnownTurn) {
 
 TEST(AccelFit, RecoversOffsetScaleAndMisalignment) {
     Random random{3};
-    const Matrix3<float> a{{1.02f, 0.01f, -0.005f}, {0.004f, 0.98f, 0.012f}, {0.0f, -0.01f, 1.01f}};
+    const Mat3 a{{1.02f, 0.01f, -0.005f}, {0.004f, 0.98f, 0.012f}, {0.0f, -0.01f, 1.01f}};
     const Vec3 offset{0.3f, -0.2f, 0.15f};
     AccelFit fit;
     for (int face = 0; face < 6; ++face) {
@@ -150,7 +150,7 @@ TEST(AccelFit, RefusesWhatIsNoFace) {
 }
 
 struct Magnet {
-    Matrix3<float> soft{{1.15f, 0.06f, -0.03f}, {0.06f, 0.9f, 0.04f}, {-0.03f, 0.04f, 1.0f}};
+    Mat3 soft{{1.15f, 0.06f, -0.03f}, {0.06f, 0.9f, 0.04f}, {-0.03f, 0.04f, 1.0f}};
     Vec3 hard{35, -60, 12};
     float field_uT{48};
 };

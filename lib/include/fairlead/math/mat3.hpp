@@ -1,5 +1,6 @@
 #pragma once
-// 3 x 3 matrices: the few operations that block elimination needs, free functions, no surprises.
+// 3 x 3 matrices, any and symmetric: the few operations that block elimination, calibration and
+// attitude need, as free functions.
 #include "fairlead/base/types.hpp"
 #include "fairlead/math/vec.hpp"
 
@@ -51,6 +52,10 @@ constexpr BasicMat3<R> operator*(const BasicSym3<R>& a, const BasicMat3<R>& b) n
             a.xz * b.x + a.yz * b.y + a.zz * b.z};
 }
 template <class R>
+constexpr BasicMat3<R> operator+(const BasicMat3<R>& a, const BasicMat3<R>& b) noexcept {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class R>
 constexpr BasicMat3<R> operator-(const BasicMat3<R>& a, const BasicMat3<R>& b) noexcept {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
@@ -90,6 +95,16 @@ constexpr BasicMat3<R> transposed(const BasicMat3<R>& m) noexcept {
     return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
 
+template <class R>
+constexpr R determinant(const BasicMat3<R>& m) noexcept {
+    return dot(m.x, cross(m.y, m.z));
+}
+/// By cofactors; m must be regular.
+template <class R>
+constexpr BasicMat3<R> inverse(const BasicMat3<R>& m) noexcept {
+    return (1 / determinant(m)) *
+           transposed(BasicMat3<R>{cross(m.y, m.z), cross(m.z, m.x), cross(m.x, m.y)});
+}
 /// By cofactors; a positive definite matrix, else the result is of no use.
 template <class R>
 constexpr BasicSym3<R> inverse(const BasicSym3<R>& m) noexcept {

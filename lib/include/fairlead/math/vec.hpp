@@ -1,5 +1,7 @@
 #pragma once
 // Three-vectors: the few operations the library needs, free functions, no surprises.
+#include <cstddef>
+
 #include "fairlead/base/types.hpp"
 #include "fairlead/math/approx.hpp"
 
@@ -24,6 +26,12 @@ constexpr BasicVec3<R> operator*(R s, const BasicVec3<R>& a) noexcept {
 template <class R>
 constexpr BasicVec3<R>& operator+=(BasicVec3<R>& a, const BasicVec3<R>& b) noexcept {
     return a = a + b;
+}
+
+/// i: 0, 1, 2 for x, y, z.
+template <class R>
+constexpr R component(const BasicVec3<R>& a, std::size_t i) noexcept {
+    return i == 0 ? a.x : i == 1 ? a.y : a.z;
 }
 
 template <class R>

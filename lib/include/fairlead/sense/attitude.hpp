@@ -173,7 +173,7 @@ class BasicAttitude {
         s_.q_wb = middle * half_turn;
 
         // a reading is a mean over the interval before its time stamp: seen from its middle
-        const Matrix3<Real> axes = matrix_of(middle);
+        const BasicMat3<Real> axes = matrix_of(middle);
         add_force(axes, accel, dt, usable_accel);
         if constexpr (has_field) add_field(axes, sample);
         auto& w = s_.sums;
@@ -309,7 +309,8 @@ class BasicAttitude {
         return (sample.flags & (flag::clipped | flag::stuck)) != 0;
     }
 
-    void add_force(const Matrix3<Real>& axes, const Vector& accel, Real dt, bool usable) noexcept {
+    void add_force(const BasicMat3<Real>& axes, const Vector& accel, Real dt,
+                   bool usable) noexcept {
         if (usable) {
             const Vector force = axes * accel;
             s_.velocity_m_s[0] += dt * force.x;
@@ -323,7 +324,7 @@ class BasicAttitude {
         s_.sums.doubt_velocity2 += 2 * speed * speed * dt / static_cast<Real>(params_.velocity_s);
     }
 
-    void add_field(const Matrix3<Real>& axes, const Sample& sample) noexcept {
+    void add_field(const BasicMat3<Real>& axes, const Sample& sample) noexcept {
         if (!valid(sample, flag::mag_valid, sample.mag_uT)) return;
         s_.field.sum += axes * widen(sample.mag_uT);
         ++s_.field.count;

@@ -176,7 +176,7 @@ class KalmanStep {
         p.add_column(d, r_next, with);
         p.add_column(e, r_last, with);
         const Real variance = with[b] + r_own * with[c] + r_next * with[d] + r_last * with[e];
-        const Matrix3<Real> axes = matrix_of(s.means.middle);
+        const BasicMat3<Real> axes = matrix_of(s.means.middle);
         const Real t = -s.means.time;
         p.shear(State::tilt, t * component(axes.x, j), with, variance);
         p.shear(State::tilt + 1, t * component(axes.y, j), with, variance);
@@ -246,9 +246,9 @@ class KalmanStep {
             return std::clamp(b + x[State::bias + i], -limit, limit);
         };
         s.bias_rad_s = {bias(s.bias_rad_s.x, 0), bias(s.bias_rad_s.y, 1), bias(s.bias_rad_s.z, 2)};
-        const Real* m = x.data() + State::scale;
-        s.gyro_matrix.scale += BasicVec3<Real>{m[0], m[1], m[2]};
-        s.gyro_matrix.shear += BasicVec3<Real>{m[3], m[4], m[5]};
+        const Real *scale = x.data() + State::scale, *shear = x.data() + State::shear;
+        s.gyro_matrix = s.gyro_matrix +
+                        BasicSym3<Real>{scale[0], shear[2], shear[1], scale[1], shear[0], scale[2]};
     }
 };
 

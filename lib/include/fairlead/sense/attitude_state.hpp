@@ -5,9 +5,8 @@
 #include <cstdint>
 
 #include "fairlead/base/types.hpp"
-#include "fairlead/math/vec.hpp"
+#include "fairlead/math/mat3.hpp"
 #include "fairlead/sense/attitude_covariance.hpp"
-#include "fairlead/sense/matrix3.hpp"
 
 namespace fairlead {
 
@@ -68,17 +67,18 @@ struct FieldState<Real, AttitudeMode::imu_mag> {
 
 template <class Real, AttitudeMode mode>
 struct AttitudeState {
-    static constexpr std::uint32_t saved_version = 1;
+    static constexpr std::uint32_t saved_version = 2;
 
-    /// Error states: tilt about east and north, velocity, gyro bias, gyro matrix; heading comes
-    /// last, so that it is one more row below the filter that does without.
+    /// Error states: tilt about east and north, velocity, gyro bias, gyro matrix (scale xx, yy, zz,
+    /// shear yz, zx, xy); heading comes last, so that it is one more row below the filter that does
+    /// without.
     enum : std::size_t { tilt = 0, velocity = 2, bias = 4, scale = 7, shear = 10, heading = 13 };
     static constexpr std::size_t size = mode == AttitudeMode::imu_mag ? 14 : 13;
 
     std::int64_t t_ns{};
     BasicQuat<Real> q_wb{};
     BasicVec3<Real> bias_rad_s{};
-    Symmetric3<Real> gyro_matrix{};  // rate = (1 - matrix) (gyro - bias)
+    BasicSym3<Real> gyro_matrix{};  // rate = (1 - matrix) (gyro - bias): scale and shear
     BasicVec3<Real> rate_rad_s{};
     std::array<Real, 2> velocity_m_s{};  // east, north: a bounded stand-in, not navigation
     Covariance<Real, size> covariance{};

@@ -1,8 +1,8 @@
 #pragma once
 // The rotations of a strapdown computation: exact exponentials instead of first-order steps, which
 // lose 1 % at 2000 deg/s and 100 Hz.
+#include "fairlead/math/mat3.hpp"
 #include "fairlead/math/quat.hpp"
-#include "fairlead/sense/matrix3.hpp"
 
 namespace fairlead {
 
@@ -21,7 +21,7 @@ inline BasicQuat<Real> turn_quat(const BasicVec3<Real>& r, Real r2) noexcept {
 }
 
 template <class Real>
-constexpr Matrix3<Real> matrix_of(const BasicQuat<Real>& q) noexcept {
+constexpr BasicMat3<Real> matrix_of(const BasicQuat<Real>& q) noexcept {
     const Real x2 = q.x + q.x, y2 = q.y + q.y, z2 = q.z + q.z;
     const Real xx = x2 * q.x, yy = y2 * q.y, zz = z2 * q.z;
     const Real xy = x2 * q.y, xz = x2 * q.z, yz = y2 * q.z;

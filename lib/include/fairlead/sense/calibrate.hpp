@@ -4,8 +4,8 @@
 // calibrate_gyro.hpp, calibrate_accel.hpp, calibrate_mag.hpp. Cost: 9 + 9 multiplications a sensor.
 #include <cstdint>
 
+#include "fairlead/math/mat3.hpp"
 #include "fairlead/math/quat.hpp"
-#include "fairlead/sense/matrix3.hpp"
 #include "fairlead/sense/saved.hpp"
 
 namespace fairlead {
@@ -13,7 +13,7 @@ namespace fairlead {
 /// truth = matrix * (reading - offset).
 struct Affine {
     Vec3 offset{};
-    Matrix3<float> matrix{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    Mat3 matrix{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
     constexpr Vec3 operator()(const Vec3& reading) const noexcept {
         return matrix * (reading - offset);

@@ -53,9 +53,9 @@ class AccelFit {
             column[k] = (0.5f / g_) * (plus - minus);
             offset += (1.0f / 3) * middle[k];
         }
-        const Matrix3<float> a{{column[0].x, column[1].x, column[2].x},
-                               {column[0].y, column[1].y, column[2].y},
-                               {column[0].z, column[1].z, column[2].z}};
+        const Mat3 a{{column[0].x, column[1].x, column[2].x},
+                     {column[0].y, column[1].y, column[2].y},
+                     {column[0].z, column[1].z, column[2].z}};
         AccelCalibration out;
         for (const Vec3& m : middle) {
             const float off = norm(m - offset);

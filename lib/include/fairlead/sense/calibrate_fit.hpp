@@ -1,8 +1,8 @@
 #pragma once
-// What the fits share: running moments, and the inverse of a 3 x 3 matrix.
+// What the fits share: running moments.
 #include <cstdint>
 
-#include "fairlead/sense/matrix3.hpp"
+#include "fairlead/math/vec.hpp"
 
 namespace fairlead {
 
@@ -32,20 +32,5 @@ class Moments {
     Vec3 mean_{}, sum2_{};
     std::uint32_t count_{0};
 };
-
-template <class Real>
-constexpr Real determinant(const Matrix3<Real>& m) noexcept {
-    return dot(m.x, cross(m.y, m.z));
-}
-
-/// By cofactors; m must be regular.
-template <class Real>
-constexpr Matrix3<Real> inverse(const Matrix3<Real>& m) noexcept {
-    const Real by = 1 / determinant(m);
-    const BasicVec3<Real> a = cross(m.y, m.z), b = cross(m.z, m.x), c = cross(m.x, m.y);
-    return {{by * a.x, by * b.x, by * c.x},
-            {by * a.y, by * b.y, by * c.y},
-            {by * a.z, by * b.z, by * c.z}};
-}
 
 }  // namespace fairlead

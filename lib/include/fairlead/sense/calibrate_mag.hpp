@@ -63,7 +63,7 @@ class MagFit {
         const Vector g{p[5], p[6], p[7]};
         const Vector centre = -(inverse(a) * g);
         const double k = -p[8] - dot(g, centre);  // (v - c)' A (v - c) = k
-        const Matrix shape{(1 / k) * a.x, (1 / k) * a.y, (1 / k) * a.z};
+        const Matrix shape = (1 / k) * a;
         if (!positive(shape)) return Status::not_enough_data;  // a cap fits a hyperboloid as well
 
         double left2 = squares_;
@@ -94,7 +94,7 @@ class MagFit {
     static constexpr std::size_t unknowns = 9;
     static constexpr double unit_uT = 50;  // brings the sums near 1
     using Vector = BasicVec3<double>;
-    using Matrix = Matrix3<double>;
+    using Matrix = BasicMat3<double>;
     using Row = std::array<double, unknowns>;
     using Packed = std::array<double, unknowns*(unknowns + 1) / 2>;
 
@@ -153,23 +153,17 @@ class MagFit {
     static bool positive(const Matrix& m) noexcept {
         return m.x.x > 0 && m.x.x * m.y.y - m.x.y * m.x.y > 0 && determinant(m) > 0;
     }
-    static Matrix product(const Matrix& a, const Matrix& b) noexcept {  // b symmetric
-        return {b * a.x, b * a.y, b * a.z};
-    }
-    static Matrix mean(const Matrix& a, const Matrix& b) noexcept {
-        return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), 0.5 * (a.z + b.z)};
-    }
     /// [Denman & Beavers 1976]: root -> m^1/2, other -> m^-1/2; quadratic, so few rounds do.
     static bool square_root(const Matrix& m, Matrix& root) noexcept {
         constexpr int rounds = 20;
         root = m;
         Matrix other{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
         for (int i = 0; i < rounds; ++i) {
-            const Matrix next = mean(root, inverse(other));
-            other = mean(other, inverse(root));
+            const Matrix next = 0.5 * (root + inverse(other));
+            other = 0.5 * (other + inverse(root));
             root = next;
         }
-        const Matrix again = product(root, root);
+        const Matrix again = root * root;
         return approx::abs(determinant(again) / determinant(m) - 1) < 1e-6;
     }
     /// Longest over shortest half-axis, from above: the ratio of the norms of m^1/2 and m^-1/2.
