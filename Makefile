@@ -273,13 +273,16 @@ $(BUILD)/bench-attitude: $(call objects,$(wildcard host_sim/bench_attitude/*.cpp
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) $^ -o $@
 
-.PHONY: attitude-table attitude-day
+.PHONY: attitude-table attitude-day attitude-counts
 attitude-table: setup-build setup-reference ## measure orientation on all recordings and rewrite the tables of docs/attitude.md
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-attitude
 	$(BUILD)/bench-attitude table $(RECORDINGS) --into docs/attitude.md
 attitude-day: setup-build setup-reference ## a day of recordings on end: float beside double, covariance positive throughout
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-attitude
 	$(BUILD)/bench-attitude day $(RECORDINGS)
+attitude-counts: setup-target ## instructions of an attitude sample on a Cortex-M4F, all recordings, against their budgets
+	@+$(TARGET) images build/target/count.so CORES=m4f SUBJECTS='attitude attitude_imu'
+	@tests/target/attitude_counts.py --recordings $(RECORDINGS)
 
 # ---- packages: install for pkg-config and CMake, and the folder that the Arduino tools want
 PREFIX   ?= /usr/local

@@ -137,23 +137,84 @@ BreakErrors run_break(const std::vector<Recording>& recordings, const Break& bro
 
 Honesty honesty(const Recording& recording) {
     Attitude filter;
-    double inclination = 0, heading = 0;
-    std::size_t n = 0;
+    Honesty out;
+    std::size_t moving = 0, resting = 0;
+    const auto step = std::max<std::size_t>(
+        1, static_cast<std::size_t>(std::lround(Honesty::look_s / recording.period_s)));
     for (std::size_t i = 0; i < recording.samples.size(); ++i) {
         const auto pose = filter.push(recording.samples[i]);
-        const bool counts =
-            recording.moving[i] != 0 && (recording.truth[i].flags & flag::orientation_valid) != 0;
-        if (!pose || !counts) continue;
+        if (!pose || (recording.truth[i].flags & flag::orientation_valid) == 0) continue;
         const OrientationError e = orientation_error(pose->q_wb, recording.truth[i].q_wb);
-        const double si = static_cast<double>(filter.inclination_sigma());
-        const double sh = static_cast<double>(filter.heading_sigma());
-        inclination +=
-            e.inclination * e.inclination / (si * si);  // si^2: the sum of both axes' variances
-        heading += e.heading * e.heading / (sh * sh);
-        ++n;
+        const double tilt = e.inclination / static_cast<double>(filter.inclination_sigma());
+        const double turn = e.heading / static_cast<double>(filter.heading_sigma());
+        if (recording.moving[i] == 0) {
+            if ((pose->flags & flag::rest) == 0) continue;
+            out.inclination_at_rest += tilt * tilt;
+            ++resting;
+            continue;
+        }
+        out.inclination += tilt * tilt;  // sigma^2 is the sum of both axes' variances
+        out.heading += turn * turn;
+        if (moving++ % step == 0) out.heading_z.push_back(turn);
     }
-    const auto by = static_cast<double>(std::max<std::size_t>(n, 1));
-    return {inclination / by, heading / by};
+    out.inclination /= static_cast<double>(std::max<std::size_t>(moving, 1));
+    out.heading /= static_cast<double>(std::max<std::size_t>(moving, 1));
+    out.inclination_at_rest /= static_cast<double>(std::max<std::size_t>(resting, 1));
+    out.seconds = Honesty::look_s * static_cast<double>(out.heading_z.size());
+    return out;
+}
+
+double share_within(const std::vector<Honesty>& all, double limit) {
+    double within = 0, n = 0;
+    for (const Honesty& h : all)
+        for (const double z : h.heading_z) {
+            within += std::abs(z) < limit ? 1 : 0;
+            n += 1;
+        }
+    return within / n;
+}
+
+namespace {
+
+/// Over all recordings, at so many looks apart; the mean is known to be 0.
+double autocorrelation(const std::vector<Honesty>& all, std::size_t lag) {
+    double both = 0, own = 0;
+    for (const Honesty& h : all)
+        for (std::size_t i = lag; i < h.heading_z.size(); ++i) {
+            const double a = h.heading_z[i - lag], b = h.heading_z[i];
+            both += a * b;
+            own += (a * a + b * b) / 2;
+        }
+    return own > 0 ? both / own : 0;
+}
+
+/// Quantile of chi-squared over its degrees of freedom [Wilson & Hilferty 1931], normal deviate z.
+double chi2_quantile(double degrees, double z) {
+    const double v = 2 / (9 * degrees);
+    return std::pow(std::max(0.0, 1 - v + z * std::sqrt(v)), 3);
+}
+
+}  // namespace
+
+Independence independence(const std::vector<Honesty>& all) {
+    constexpr double z95 = 1.96;
+    Independence out;
+    double seconds = 0;
+    for (const Honesty& h : all) seconds += h.seconds / static_cast<double>(all.size());
+    std::size_t lag = 1;
+    while (autocorrelation(all, lag) > std::exp(-1.0) &&
+           static_cast<double>(lag) * Honesty::look_s < seconds)
+        lag += 10;
+    out.correlation_s = static_cast<double>(lag) * Honesty::look_s;
+    // the square of an exponentially correlated error: correlation exp(-2 t / tau), averaged over T
+    const double t = out.correlation_s / 2 / seconds;
+    out.draws = 1 / (2 * t * (1 - t * (1 - std::exp(-1 / t))));
+    out.lowest = chi2_quantile(out.draws, -z95);
+    out.highest = chi2_quantile(out.draws, z95);
+    const double together = out.draws * static_cast<double>(all.size());
+    out.mean_lowest = chi2_quantile(together, -z95);
+    out.mean_highest = chi2_quantile(together, z95);
+    return out;
 }
 
 double float_against_double(const Recording& recording) {

@@ -41,11 +41,27 @@ struct BreakErrors {
 };
 BreakErrors run_break(const std::vector<Recording>& recordings, const Break& broken);
 
-/// Normalised error squared over its expectation: 1 where the reported covariance is honest.
+/// Is the reported covariance honest? Errors squared over the reported variance: 1 is expected.
 struct Honesty {
-    double inclination{}, heading{};
+    double inclination{}, heading{};  // mean over the movement phase
+    double inclination_at_rest{};     // before and after it
+    double seconds{};                 // of the movement
+    std::vector<double> heading_z;    // heading error over its sigma, every look_s of the movement
+    static constexpr double look_s = 0.1;
 };
 Honesty honesty(const Recording& recording);
+
+/// How often |z| < limit, over all.
+double share_within(const std::vector<Honesty>& all, double limit);
+
+/// Heading errors wander slowly, so that a recording holds only few independent ones.
+struct Independence {
+    double correlation_s{};      // their autocorrelation falls to 1/e within it
+    double draws{};              // independent ones in a recording of mean length
+    double lowest{}, highest{};  // 95 % of the recordings' means of an honest filter lie between
+    double mean_lowest{}, mean_highest{};  // and of the mean over all of them
+};
+Independence independence(const std::vector<Honesty>& all);
 
 /// Difference between the float and the double filter, degrees RMS over all samples.
 double float_against_double(const Recording& recording);

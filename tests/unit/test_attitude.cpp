@@ -9,100 +9,24 @@
 
 #include "fairlead/sense/attitude_gyro.hpp"
 #include "host_sim/random.hpp"
-#include "tests/ref/rotation.hpp"
+#include "tests/ref/imu_motion.hpp"
 
 namespace {
 
 using namespace fairlead;
 
-constexpr double deg = 0.017453292519943295;
+using ref::AttitudeErrors;
+using Motion = ref::ImuMotion;
+using World = ref::World;
+using ref::attitude_errors;
+
 constexpr std::int64_t period_ns = 3'500'000;
-constexpr double period_s = 3.5e-3;
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-
-struct World {
-    double horizontal_uT{18}, up_uT{-42};  // magnetic north is the world's north
-    ref::V bias{0.004, -0.006, 0.003};
-    double gyro_noise{0.002}, accel_noise{0.02}, mag_noise{0.3};
-    double scale_x{0};
-    double still_s{10};
-    std::uint64_t seed{1};
-};
-
-/// A hand that rests, then turns and shakes; truth in double by many small exact turns.
-class Motion {
-  public:
-    explicit Motion(const World& world) : w_{world}, random_{world.seed} {}
-
-    Sample next() {
-        ref::V mean_rate{}, force{};
-        constexpr int parts = 8;
-        for (int i = 0; i < parts; ++i) {
-            const double t = t_ + (i + 0.5) * period_s / parts;
-            const ref::V rate = rate_at(t);
-            truth_ = ref::unit(ref::mul(truth_, ref::from_vector((period_s / parts) * rate)));
-            mean_rate = mean_rate + (1.0 / parts) * rate;
-            if (i == parts / 2)
-                force = to_body({accel_at(t)[0], accel_at(t)[1], 9.81 + accel_at(t)[2]});
-        }
-        t_ += period_s;
-        n_ += 1;
-        Sample s;
-        s.t_ns = n_ * period_ns;
-        s.flags = flag::gyro_valid | flag::accel_valid | flag::mag_valid;
-        mean_rate[0] *= 1 + w_.scale_x;
-        s.gyro_rad_s = noisy(mean_rate + w_.bias, w_.gyro_noise);
-        s.accel_m_s2 = noisy(force, w_.accel_noise);
-        s.mag_uT = noisy(to_body({0, w_.horizontal_uT, w_.up_uT}), w_.mag_noise);
-        return s;
-    }
-    const ref::Q& truth() const { return truth_; }
-    double time() const { return t_; }
-
-  private:
-    ref::V rate_at(double t) const {
-        if (t < w_.still_s) return {};
-        const double u = t - w_.still_s;
-        return {1.5 * std::sin(1.1 * u), 1.2 * std::sin(0.7 * u + 1), 1.8 * std::sin(0.5 * u)};
-    }
-    ref::V accel_at(double t) const {
-        if (t < w_.still_s) return {};
-        const double u = t - w_.still_s;  // a velocity of at most 0.5 m/s
-        return {2.0 * std::cos(4 * u), 1.5 * std::sin(5 * u), std::sin(3 * u)};
-    }
-    ref::V to_body(const ref::V& v) const {
-        const ref::Q q = ref::mul(ref::mul(ref::inverse(truth_), {0, v[0], v[1], v[2]}), truth_);
-        return {q[1], q[2], q[3]};
-    }
-    Vec3 noisy(const ref::V& v, double sigma) {
-        return {static_cast<float>(v[0] + sigma * random_.normal()),
-                static_cast<float>(v[1] + sigma * random_.normal()),
-                static_cast<float>(v[2] + sigma * random_.normal())};
-    }
-
-    World w_;
-    sim::Random random_;
-    ref::Q truth_{ref::unit({0.8, 0.3, -0.4, 0.2})};
-    double t_{0};
-    std::int64_t n_{0};
-};
-
-struct Errors {
-    double total{}, inclination{};
-};
-
-Errors errors_of(const Quat& q, const ref::Q& truth) {
-    const ref::Q e = ref::mul({q.w, q.x, q.y, q.z}, ref::inverse(truth));
-    const double n = std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
-    const double up = std::sqrt(e[0] * e[0] + e[3] * e[3]) / n;
-    return {2 * std::acos(std::min(1.0, std::abs(e[0]) / n)) / deg,
-            2 * std::acos(std::min(1.0, up)) / deg};
-}
 
 /// Worst errors between two times, after `spoil` has had its way with every sample.
 template <class Filter, class Spoil>
-Errors worst(Filter& filter, Motion& motion, double from_s, double to_s, Spoil spoil) {
-    Errors most;
+AttitudeErrors worst(Filter& filter, Motion& motion, double from_s, double to_s, Spoil spoil) {
+    AttitudeErrors most;
     while (motion.time() < to_s) {
         Sample s = motion.next();
         spoil(s, motion.time());
@@ -110,9 +34,9 @@ Errors worst(Filter& filter, Motion& motion, double from_s, double to_s, Spoil s
         if (!pose) continue;
         EXPECT_TRUE(is_finite(pose->q_wb));
         if (motion.time() < from_s) continue;
-        const Errors e = errors_of(pose->q_wb, motion.truth());
-        most.total = std::max(most.total, e.total);
-        most.inclination = std::max(most.inclination, e.inclination);
+        const AttitudeErrors e = attitude_errors(pose->q_wb, motion.truth());
+        most.total_deg = std::max(most.total_deg, e.total_deg);
+        most.inclination_deg = std::max(most.inclination_deg, e.inclination_deg);
     }
     return most;
 }
@@ -121,9 +45,9 @@ const auto leave = [](Sample&, double) {};
 TEST(Attitude, FindsOrientationAndBiasFromRest) {
     Motion motion{World{}};
     Attitude filter;
-    const Errors e = worst(filter, motion, 5, 60, leave);
-    EXPECT_LT(e.inclination, 1.0);
-    EXPECT_LT(e.total, 2.0);
+    const AttitudeErrors e = worst(filter, motion, 5, 60, leave);
+    EXPECT_LT(e.inclination_deg, 1.0);
+    EXPECT_LT(e.total_deg, 2.0);
     EXPECT_NEAR(filter.bias_rad_s().x, 0.004, 0.0005);
     EXPECT_NEAR(filter.bias_rad_s().y, -0.006, 0.0005);
     EXPECT_NEAR(filter.bias_rad_s().z, 0.003, 0.0005);
@@ -144,9 +68,9 @@ TEST(Attitude, StartsInMotion) {
     world.still_s = 0;
     Motion motion{world};
     Attitude filter;
-    const Errors e = worst(filter, motion, 20, 60, leave);
-    EXPECT_LT(e.inclination, 1.5);
-    EXPECT_LT(e.total, 4.0);
+    const AttitudeErrors e = worst(filter, motion, 20, 60, leave);
+    EXPECT_LT(e.inclination_deg, 1.5);
+    EXPECT_LT(e.total_deg, 4.0);
 }
 
 TEST(Attitude, TheMagnetometerCannotTouchTheInclination) {
@@ -171,9 +95,9 @@ TEST(Attitude, ForgetsNothingOverNaNDropOutsAndBadTime) {
             if (t < 20 || t >= 20 + outage_s) return;
             s.gyro_rad_s.x = s.accel_m_s2.y = s.mag_uT.z = static_cast<float>(not_a_number);
         };
-        const Errors e = worst(filter, motion, 45, 60, spoil);
-        EXPECT_LT(e.inclination, 1.5) << outage_s;
-        EXPECT_LT(e.total, 4.0) << outage_s;
+        const AttitudeErrors e = worst(filter, motion, 45, 60, spoil);
+        EXPECT_LT(e.inclination_deg, 1.5) << outage_s;
+        EXPECT_LT(e.total_deg, 4.0) << outage_s;
     }
 }
 
@@ -187,9 +111,9 @@ TEST(Attitude, EachSensorMayFailAlone) {
                          : sensor == 1 ? flag::accel_valid
                                        : flag::mag_valid);
         };
-        const Errors e = worst(filter, motion, 45, 60, spoil);
-        EXPECT_LT(e.inclination, 1.5) << sensor;
-        EXPECT_LT(e.total, 4.0) << sensor;
+        const AttitudeErrors e = worst(filter, motion, 45, 60, spoil);
+        EXPECT_LT(e.inclination_deg, 1.5) << sensor;
+        EXPECT_LT(e.total_deg, 4.0) << sensor;
     }
 }
 
@@ -230,7 +154,7 @@ TEST(Attitude, BridgesLostSamples) {
         }
         const auto pose = filter.push(s);
         if (motion.time() < 6) continue;
-        const double e = errors_of(pose->q_wb, motion.truth()).inclination;
+        const double e = attitude_errors(pose->q_wb, motion.truth()).inclination_deg;
         sum += e * e;
         ++n;
     }
@@ -250,10 +174,10 @@ TEST(Attitude, RecoversFromAClippedGyro) {
         }
         flagged = flagged || (filter.state().flags & flag::clipped) != 0;
     };
-    const Errors e = worst(filter, motion, 50, 90, clip);
+    const AttitudeErrors e = worst(filter, motion, 50, 90, clip);
     EXPECT_TRUE(flagged);
-    EXPECT_LT(e.inclination, 1.5);
-    EXPECT_LT(e.total, 4.0);
+    EXPECT_LT(e.inclination_deg, 1.5);
+    EXPECT_LT(e.total_deg, 4.0);
 }
 
 TEST(Attitude, BelievesANewFieldOnceItIsSteady) {
@@ -263,17 +187,14 @@ TEST(Attitude, BelievesANewFieldOnceItIsSteady) {
     // indoors now: the field is weaker and steeper, and stays so
     const auto indoors = [&](Sample& s, double t) {
         if (t < 40) return;
-        const ref::Q& q = motion.truth();
-        const ref::Q b = ref::mul(ref::mul(ref::inverse(q), {0, 0, 0, -15}), q);
-        s.mag_uT = s.mag_uT + Vec3{static_cast<float>(b[1]), static_cast<float>(b[2]),
-                                   static_cast<float>(b[3])};
+        s.mag_uT += ref::narrow(motion.to_body({0, 0, -15}));
     };
     worst(filter, motion, 50, 50, indoors);
     EXPECT_NE(filter.state().flags & flag::mag_rejected, 0u);
-    const Errors e = worst(filter, motion, 100, 120, indoors);
+    const AttitudeErrors e = worst(filter, motion, 100, 120, indoors);
     EXPECT_EQ(filter.state().flags & flag::mag_rejected, 0u);
     EXPECT_NEAR(filter.state().field.up, -57, 3);
-    EXPECT_LT(e.total, 3.0);
+    EXPECT_LT(e.total_deg, 3.0);
 }
 
 TEST(Attitude, RestAdaptsToANoisySensor) {
@@ -299,7 +220,7 @@ TEST(Attitude, FloatFollowsDouble) {
         wide.push(b.next());
         const auto q = wide.orientation();
         const ref::Q reference{q.w, q.x, q.y, q.z};
-        const double e = errors_of(p->q_wb, reference).total;
+        const double e = attitude_errors(p->q_wb, reference).total_deg;
         sum += e * e;
     }
     EXPECT_LT(std::sqrt(sum / n), 0.02);
@@ -342,8 +263,8 @@ TEST(Attitude, KnownBiasSettlesAtOnce) {
     moving.still_s = 0;
     moving.seed = 9;
     Motion next{moving};
-    const Errors e = worst(again, next, 15, 40, leave);
-    EXPECT_LT(e.total, 3.0);
+    const AttitudeErrors e = worst(again, next, 15, 40, leave);
+    EXPECT_LT(e.total_deg, 3.0);
     EXPECT_NEAR(again.bias_rad_s().x, 0.004, 0.0005);
 }
 
@@ -394,7 +315,7 @@ TEST(AttitudeGyro, FollowsTruthAndLearnsItsBiasAtRest) {
         }
         const Quat moved = conj(start) * pose->q_wb;
         const ref::Q truly = ref::mul(ref::inverse(truth_at_start), motion.truth());
-        worst_deg = std::max(worst_deg, errors_of(moved, truly).total);
+        worst_deg = std::max(worst_deg, attitude_errors(moved, truly).total_deg);
     }
     EXPECT_NEAR(filter.bias_rad_s().y, -0.006, 0.0005);
     EXPECT_LT(worst_deg, 1.0);

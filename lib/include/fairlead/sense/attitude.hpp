@@ -86,7 +86,10 @@ class BasicAttitude {
         return rotate(conj(s_.q_wb), earth_acceleration(sample));
     }
     /// Standard deviations, rad. Inclination: of the whole angle between the two verticals.
-    Real inclination_sigma() const noexcept { return reported(tilt_variance(), 0); }
+    Real inclination_sigma() const noexcept {
+        constexpr float both_axes = 1.41421356f / gravity_m_s2;
+        return reported(tilt_variance(), both_axes * params_.accel_offset_m_s2);
+    }
     Real heading_sigma() const noexcept {
         static_assert(has_field, "without a magnetometer heading is only relative");
         return reported(heading_variance(), params_.field_offset);
@@ -145,6 +148,7 @@ class BasicAttitude {
             }
         }
         start_rest(s_.rest, params_, gyro, accel);
+        Kalman::lose_orientation(s_);
         s_.phase = AttitudePhase::aligning;
         s_.flags = flag::settling;
     }
@@ -211,7 +215,10 @@ class BasicAttitude {
     void judge() noexcept {
         const auto sq = [](float x) { return static_cast<Real>(x * x); };
         constexpr float lost = 0.8f;  // rad: beyond it a linear filter is worse than a new start
-        bool settled = tilt_variance() <= sq(params_.settled_tilt);
+        const Real limit = static_cast<Real>(params_.bias_max_rad_s);
+        const Vector& b = s_.bias_rad_s;
+        bool settled = tilt_variance() <= sq(params_.settled_tilt) && approx::abs(b.x) < limit &&
+                       approx::abs(b.y) < limit && approx::abs(b.z) < limit;
         std::uint32_t flags = s_.flags & ~(flag::settling | flag::mag_rejected);
         if constexpr (has_field) {
             settled = settled && heading_variance() <= sq(params_.settled_heading);

@@ -41,7 +41,7 @@ inline void start_field(MagField<Real>& f, const AttitudeParams& p) noexcept {
     f.up = f.mean.z;
     f.next_horizontal = f.horizontal;
     f.next_up = f.up;
-    f.residual2 = f.next_residual2 = f.steady_s = 0;
+    f.residual2 = f.next_residual2 = f.steady_s = f.since_s = 0;
     f.weight_s = static_cast<Real>(p.align_s);
 }
 
@@ -87,7 +87,7 @@ inline bool field_changed(MagField<Real>& f, const AttitudeParams& p, Real horiz
 }  // namespace detail
 
 /// Judges the closed window's mean field, mean_count > 0, and lets the reference follow it.
-/// tilt_x: the pending tilt correction about east.
+/// tilt_x: the pending tilt correction about east. time: since the look before.
 template <class Real>
 inline FieldLook<Real> look_at_field(MagField<Real>& f, const AttitudeParams& p, Real tilt_x,
                                      Real time, bool rest, bool turning) noexcept {

@@ -56,6 +56,14 @@ class KalmanStep {
         }
     }
 
+    /// Before levelling: nothing is known, which is what a report shall say.
+    static void lose_orientation(State& s) noexcept {
+        constexpr Real tilt_variance = 1;  // 57 degrees
+        forget(s.covariance, State::tilt, tilt_variance);
+        forget(s.covariance, State::tilt + 1, tilt_variance);
+        if constexpr (has_field) forget(s.covariance, State::heading, heading_variance_max);
+    }
+
     /// After levelling on the mean force over align_s: off by the change of velocity in that time.
     static void aligned(State& s, const Params& params) noexcept {
         auto& p = s.covariance;
@@ -206,11 +214,15 @@ class KalmanStep {
     }
 
     static void measure_heading(State& s, const Params& params) noexcept {
+        // a single reading tells as much as all of those, correlated, that might have come since
+        s.field.since_s += s.means.time;
         if (s.field.mean_count == 0) return;
+        const Real time = std::min(s.field.since_s, real(params.field_s));
+        s.field.since_s = 0;
         constexpr float turning = 0.35f;  // rad/s: the field is seen from more than one side
         auto& p = s.covariance;
         auto& x = s.correction;
-        const auto look = look_at_field(s.field, params, x[State::tilt], s.means.time, resting(s),
+        const auto look = look_at_field(s.field, params, x[State::tilt], time, resting(s),
                                         dot(s.means.rate, s.means.rate) > sq(turning));
         p(State::heading, State::heading) += look.doubt;
         // the field's angle east of north is dip * tilt_y - heading
@@ -242,8 +254,12 @@ class KalmanStep {
         }
         s.q_wb = normalised(q * s.q_wb);
         const Real limit = real(params.bias_max_rad_s);
+        // beyond the limit it is not believed, and then it is not known either
         const auto bias = [&](Real b, std::size_t i) {
-            return std::clamp(b + x[State::bias + i], -limit, limit);
+            const Real found = b + x[State::bias + i], kept = std::clamp(found, -limit, limit);
+            Real& variance = s.covariance(State::bias + i, State::bias + i);
+            if (kept != found) variance = std::max(variance, limit * limit);
+            return kept;
         };
         s.bias_rad_s = {bias(s.bias_rad_s.x, 0), bias(s.bias_rad_s.y, 1), bias(s.bias_rad_s.z, 2)};
         const Real *scale = x.data() + State::scale, *shear = x.data() + State::shear;

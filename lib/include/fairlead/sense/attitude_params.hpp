@@ -30,9 +30,10 @@ struct AttitudeParams {
     float accel_max_m_s2 = 0;
 
     // ---- motion: a body's velocity stays bounded, which is what makes gravity visible
-    float velocity_m_s = 0.7f;  // standard deviation of the horizontal velocity
-    float velocity_s = 0.5f;    // its correlation time
-    float accel_noise = 0.05f;  // m/s^2 sqrt(s)
+    float velocity_m_s = 0.7f;        // standard deviation of the horizontal velocity
+    float velocity_s = 0.5f;          // its correlation time
+    float accel_noise = 0.05f;        // m/s^2 sqrt(s)
+    float accel_offset_m_s2 = 0.03f;  // error of its zero, an axis: reported, never corrected
 
     // ---- rest
     float rest_s = 1.5f;                  // quiet for so long

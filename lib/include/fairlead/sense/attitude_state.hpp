@@ -60,6 +60,7 @@ struct FieldState<Real, AttitudeMode::imu_mag> {
     Real horizontal{}, up{};  // the reference
     Real residual2{};         // low-passed squared distance from it
     Real weight_s{};          // how much data the reference rests on
+    Real since_s{};           // the last window that held a reading
     Real next_horizontal{}, next_up{}, next_residual2{};  // a field that may become the reference
     Real steady_s{};                                      // for so long it has been the better one
     std::uint16_t count{}, mean_count{};
