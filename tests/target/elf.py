@@ -216,6 +216,10 @@ class Image:
     def home(self, address):
         return self.names[self.text[address][0]]
 
+    def is_helper(self, address):
+        """Is this code of the compiler's runtime library?"""
+        return self.home(address).startswith("__")
+
     @staticmethod
     def literals(body):
         """Registers with a known value after each instruction, in textual order: enough for large frames."""
@@ -316,7 +320,7 @@ def problems(image, map_path, roots):
         if archive.startswith(("libm", "libc")) and not C_LIBRARY.search(member):
             found.append("C library: %s(%s) is linked in" % (archive, member))
     for at in sorted(image.reachable(roots)):
-        if FUSED.match(image.text[at][1].name) and not image.home(at).startswith("__"):  # the compiler's own are exact
+        if FUSED.match(image.text[at][1].name) and not image.is_helper(at):  # the compiler's own are exact
             found.append("fused multiply-add: %s in %s" % (image.text[at][1].name, image.home(at)))
             break
     return found

@@ -1,7 +1,11 @@
 """The dearest path through linked machine code (implicit path enumeration). Every basic block gets a variable, how often
 it runs in one push; what flows into a block flows out; a call runs its callee; and no loop head runs more often than a cap.
 The linear program's maximum of executed instructions is a bound for every path that keeps the caps, also for those that
-no stream took. Caps are counts per push: the loop constants of the code, as the loop heads reached them in the emulator."""
+no stream took. Caps are counts per push: the loop constants of the code, as the loop heads reached them in the emulator.
+
+The compiler's own helpers (soft floating point, division) branch by their operands: zeros, denormals, carries, shifts. Where
+each of their blocks is capped like a loop head, too, the bound is that of operands as the streams bring them; without, of
+operands that are all the dearest at once, which no number manages."""
 import re
 import subprocess
 
@@ -37,6 +41,11 @@ class Graph:
                 self.calls.setdefault(step.call, []).append(start)
         self.entries = {root} | set(self.calls)
         self.heads, self.back = self.loop_heads()
+        self.branches = [b for b in self.size if image.is_helper(b) and b not in self.back]
+
+    def capped(self):
+        """Addresses whose runs must be counted; the first tells the calls that matter."""
+        return [self.root] + self.heads + self.branches
 
     def loop_heads(self):
         """Targets of edges that lead back up a depth-first walk: every cycle runs through one."""
@@ -69,8 +78,8 @@ class Graph:
             todo += self.next[block]
         return not self.back[head] & seen
 
-    def bound(self, caps, work):
-        """Most instructions from the root's entry to its return. caps: head -> runs per push."""
+    def bound(self, caps, work, any_operands=False):
+        """Most instructions from the root's entry to its return. caps: block -> runs per push."""
         into = {b: [] for b in self.size}
         for block, following in self.next.items():
             for f in following:
@@ -83,8 +92,10 @@ class Graph:
             out = ["e%x_%x" % (block, f) for f in self.next[block]]
             if out:
                 lines.append(" b%x %s = 0" % (block, "".join(" - " + e for e in out)))
+        for block in [] if any_operands else self.branches:
+            lines.append(" b%x <= %d" % (block, caps[block]))
         for head in self.heads:
-            cap = caps.get(head, 0)
+            cap = caps[head]
             lines.append(" b%x <= %d" % (head, cap))
             if cap > 0 and self.entered_only_by_head(head):
                 inside = {"e%x_%x" % (b, head) for b in self.back[head]}
