@@ -254,15 +254,15 @@ TARGET = $(MAKE) -s -f tests/target/target.mk
 CORE  ?= m4f
 .PHONY: target-test target-soak bounds size firmware-run must-fail
 target-test: setup-target ## the same bits on every core, exact counts, BOUNDS.md, heap, stack and firmware checks
-	@$(TARGET) calibrate same-bits bounds search-trap firmware firmware-run recordings
+	+@$(TARGET) calibrate same-bits bounds search-trap firmware firmware-run recordings
 target-soak: setup-target ## all recordings on all cores, and a longer search for dear streams
-	@$(TARGET) same-bits search recordings SOAK=1
+	+@$(TARGET) same-bits search recordings SOAK=1
 bounds: setup-target ## check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=header CORE=m4f RECORDING=file BUDGET=n
-	@$(TARGET) $(if $(CONFIG),user CORES=$(CORE),bounds)
+	+@$(TARGET) $(if $(CONFIG),user CORES=$(CORE),bounds)
 size: setup-target ## flash, RAM and stack of the firmware example, and its linker map
-	@$(TARGET) firmware
+	+@$(TARGET) firmware
 firmware-run: setup-target ## run the firmware example under QEMU and decode what its UART sent
-	@$(TARGET) firmware-run
+	+@$(TARGET) firmware-run
 must-fail: setup-target ## plant five faults in copies of the tree: the target checks must catch each
 	@tests/must_fail/plantings.py
 

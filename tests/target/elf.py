@@ -40,10 +40,12 @@ def target_of(text):
 
 
 class Step:
-    """One instruction as the stack sees it. table: the jump goes to one of the targets that a table holds."""
+    """One instruction as the stack sees it. table: the jump goes to one of the targets that a table holds; may_return,
+    may_call: the function may end here, the call may be left out, by a condition."""
 
-    def __init__(self, deeper=0, call=None, jump=None, falls=True, trouble=None, table=None):
+    def __init__(self, deeper=0, call=None, jump=None, falls=True, trouble=None, table=None, may_return=False, may_call=False):
         self.deeper, self.call, self.falls, self.trouble, self.table = deeper, call, falls, trouble, table
+        self.may_return, self.may_call = may_return, may_call
         self.jumps = [] if jump is None else [jump]
 
 
@@ -85,6 +87,8 @@ def arm_step(instruction, literals):
         return Step(call=callee) if callee is not None else Step(trouble="calls through a register")
     if name == "mov" and text.startswith("pc, r"):
         return Step(falls=False, table=4)
+    if re.match(r"(bx|pop|ldm(ia|fd)?)(%s)$" % ARM_CONDITIONS, name) and re.search(r"\b(lr|pc)\b", text):
+        return Step(may_return=True)
     if name == "bx":
         return Step(falls=False) if text in ("lr", "ip") or literals.get(text) == "popped" else \
             Step(falls=False, trouble="jumps through a register")
@@ -92,7 +96,7 @@ def arm_step(instruction, literals):
         return Step(falls=False, table=1 if name == "tbb" else 2)
     called = re.match(r"bl(%s)$" % ARM_CONDITIONS, name)
     if called:
-        return Step(call=target_of(text))
+        return Step(call=target_of(text), may_call=True)
     if name in ("cbz", "cbnz"):
         return Step(jump=target_of(text))
     if re.match(r"b(%s)?$" % ARM_CONDITIONS, name):
@@ -162,8 +166,9 @@ class Image:
             known, last = self.literals(body), body[-1].address if body else entry
             for n, i in enumerate(body):
                 step = step_of(i, known[i.address])
-                if step.call is not None and entry < step.call <= last:  # on v6-M a far jump inside a function is a bl
-                    step.jumps, step.call, step.falls = [step.call], None, False
+                if step.call is not None and entry < step.call <= last:
+                    # on v6-M a far jump inside a function is a bl; elsewhere a bl with a condition is a detour, and comes back
+                    step.jumps, step.call, step.falls = [step.call], None, step.may_call
                 if step.table:
                     step.jumps = self.table(body, n, step.table)
                     if not step.jumps:

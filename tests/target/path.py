@@ -22,20 +22,24 @@ class Graph:
                 continue
             seen.add(at)
             step, follower = flow[at]
-            if step.jumps or step.call is not None:
+            if step.jumps or step.call is not None or step.may_return:
                 starts.update(t for t in (step.call, follower, *step.jumps) if t is not None)
             todo += [t for t in (step.call, follower if step.falls else None, *step.jumps) if t is not None]
-        self.size, self.next, self.calls = {}, {}, {}
+        self.size, self.next, self.calls, self.returning, self.detouring = {}, {}, {}, set(), set()
         for start in sorted(starts & seen):
             at, size = start, 0
             while True:
                 step, follower = flow[at]
                 size += 1
-                ends = step.jumps or step.call is not None or not step.falls or follower in starts
+                ends = (step.jumps or step.call is not None or step.may_return or not step.falls or follower in starts)
                 if ends:
                     break
                 at = follower
             self.size[start] = size
+            if step.may_return:
+                self.returning.add(start)
+            if step.may_call:
+                self.detouring.add(start)
             self.next[start] = list(dict.fromkeys(t for t in (*step.jumps, follower if step.falls else None) if t in seen))
             if step.call is not None:
                 self.calls.setdefault(step.call, []).append(start)
@@ -81,17 +85,21 @@ class Graph:
     def bound(self, caps, work, any_operands=False):
         """Most instructions from the root's entry to its return. caps: block -> runs per push."""
         into = {b: [] for b in self.size}
+        called = {callee: ["%s%x" % ("c" if b in self.detouring else "b", b) for b in callers]
+                  for callee, callers in self.calls.items()}
         for block, following in self.next.items():
             for f in following:
                 into[f].append("e%x_%x" % (block, f))
         lines = ["Maximize", " n: " + " + ".join("%d b%x" % (s, b) for b, s in self.size.items()), "Subject To"]
         for block in self.size:
-            sources = into[block] + ["b%x" % c for c in self.calls.get(block, [])]
+            sources = into[block] + called.get(block, [])
             once = 1 if block == self.root else 0
             lines.append(" b%x %s = %d" % (block, "".join(" - " + s for s in sources), once))
             out = ["e%x_%x" % (block, f) for f in self.next[block]]
-            if out:
-                lines.append(" b%x %s = 0" % (block, "".join(" - " + e for e in out)))
+            if block in self.detouring:  # what follows runs with or without the detour or call
+                lines += [" b%x - %s >= 0" % (block, v) for v in out + ["c%x" % block]]
+            elif out:
+                lines.append(" b%x %s %s 0" % (block, "".join(" - " + e for e in out), ">=" if block in self.returning else "="))
         for block in [] if any_operands else self.branches:
             lines.append(" b%x <= %d" % (block, caps[block]))
         for head in self.heads:
@@ -99,7 +107,7 @@ class Graph:
             lines.append(" b%x <= %d" % (head, cap))
             if cap > 0 and self.entered_only_by_head(head):
                 inside = {"e%x_%x" % (b, head) for b in self.back[head]}
-                entries = [s for s in into[head] if s not in inside] + ["b%x" % c for c in self.calls.get(head, [])]
+                entries = [s for s in into[head] if s not in inside] + called.get(head, [])
                 if entries and head != self.root:
                     lines.append(" b%x %s <= 0" % (head, "".join(" - %d %s" % (cap, e) for e in entries)))
         with open(work + ".lp", "w") as file:

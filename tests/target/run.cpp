@@ -64,6 +64,7 @@ class Run {
     void push(const Record& record) {
         mix(input_, record.sample);
         mix(input_, record.pose);
+        subject_prepare(&record);
         platform::call_marked(&subject_push, &record);
         ++pushes_;
         note();

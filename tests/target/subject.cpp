@@ -12,12 +12,22 @@ std::optional<Subject::Output> output;
 
 Subject& subject() { return *std::launder(reinterpret_cast<Subject*>(storage)); }
 
+template <class S>
+auto prepare(S& stage, const Record& in) -> decltype(stage.prepare(in)) {
+    stage.prepare(in);
+}
+template <class S>
+void prepare(S&, ...) {}
+
 }  // namespace
 
 extern "C" {
 void subject_start(const void*) {
     ::new (static_cast<void*>(storage)) Subject{};
     output.reset();
+}
+void subject_prepare(const void* record) {
+    prepare(subject(), *static_cast<const Record*>(record));
 }
 void subject_push(const void* record) {
     output = subject().push(*static_cast<const Record*>(record));

@@ -10,7 +10,8 @@
 //         using Output = Pose;                          // anything that mix() takes
 //         std::optional<Output> push(const Record& in);
 //         std::optional<Output> flush();                // called until it is empty
-//     };
+//         void prepare(const Record& in);               // may be left out: before each push, not
+//     };                                                // counted, not part of the stage's image
 //
 // subject.cpp turns it into these functions, one object file a stage.
 #include "tests/target/digest.hpp"
@@ -27,6 +28,7 @@ struct Record {
 
 extern "C" {
 void subject_start(const void* unused);
+void subject_prepare(const void* record);
 void subject_push(const void* record);
 void subject_flush(const void* unused);
 /// Mixes what the last push or flush gave into the digest; false where it gave nothing.
