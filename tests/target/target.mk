@@ -84,12 +84,19 @@ $(BUILD)/count.so: tests/target/count.c
 
 -include $(wildcard $(BUILD)/*/*.d)
 
+$(BUILD)/errors: tests/target/errors/errors.cpp tests/target/stream.cpp host_sim/curve_store.cpp
+	@mkdir -p $(@D)
+	g++ $(COMMON) -O1 -isystem /usr/include/eigen3 -MMD -MP -MF $@.d $^ -o $@
+$(BUILD)/errors.tsv: $(BUILD)/errors tests/target/streams/adverse
+	$< >$@
+-include $(BUILD)/errors.d
+
 EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(core)" {print $$3}' port/cortex_m/cores)),$(core)))
 .PHONY: images measure calibrate same-bits bounds search-trap
 calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
 	tests/target/calibrate.py $(BUILD) $(EMULATED)
 BOUNDED := $(filter m%,$(CORES))
-bounds: $(foreach core,$(BOUNDED),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
+bounds: $(BUILD)/errors.tsv $(foreach core,$(BOUNDED),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
 	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(BOUNDED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
 # a user's own configuration: CONFIG=header CORES=core, perhaps RECORDING=file BUDGET=instructions
 user: $(CORES:%=$(BUILD)/%/user.elf) $(CORES:%=$(BUILD)/%/user.bare.elf) $(CORES:%=$(BUILD)/%/none.bare.elf) $(BUILD)/count.so

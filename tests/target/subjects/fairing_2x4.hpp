@@ -5,6 +5,12 @@
 using Stage = fairlead::FairingWindow<2, 4>;
 
 struct Subject : fairlead::target::PoseStage<Stage> {
-    static constexpr const char* text = "FairingWindow<2, 4>: rho_2, 4 rounds";
-    Subject() : PoseStage{Stage{fairlead::FairingParams{}}} {}
+    static constexpr const char* text = "FairingWindow<2, 4>: rho_2, 4 rounds, bounded";
+    static fairlead::FairingParams bounded() {
+        fairlead::FairingParams params;
+        params.bound_m = 0.002f;
+        params.bound_rad = 0.0087266f;  // 0.5 deg
+        return params;
+    }
+    Subject() : PoseStage{Stage{bounded()}} {}
 };
