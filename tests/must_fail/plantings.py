@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Plants five faults, one after the other, into copies of the tree: a heap allocation, a libm sinf, a fused multiply-add,
-a recursion, and ten per cent more instructions. The target checks must fail each of them, for the right reason, and must
-pass the copy without a planting."""
+"""Plants faults, one after the other, into a copy of the tree: a heap allocation, a libm sinf, a fused multiply-add, a
+recursion, ten per cent more instructions, and arithmetic that rounds otherwise on one machine. The target checks must fail
+each of them, for the right reason, and must pass the copy without a planting."""
 import os
 import re
 import shutil
@@ -23,6 +23,9 @@ PLANTINGS = [
      r"\1\2planted(n) / planted(n) * \3", r"recursion: "),
     ("ten per cent more instructions", QUAT, r"(inline BasicVec3<R> log\(.*?\{\n)",
      r'\1    __asm__ volatile(".rept 14\\nnop\\n.endr");\n', r"worst found is \d+, committed \d+"),
+    ("another rounding on one machine", QUAT, r"s = sc\.sin / n;",
+     "s = sc.sin / n;\n#ifdef __arm__\n        s = sc.sin * (1 / n);\n#endif",
+     r"FAIL same bits: stage quat differs between gcc-O2 and m4f; first at stream \S+, push \d+"),
 ]
 
 
@@ -36,7 +39,7 @@ def copy_tree(to):
 
 
 def check(tree):
-    command = ["make", "-s", "-f", "tests/target/target.mk", "CORES=gcc-O2 m4f", "SUBJECTS=none quat", "same-bits", "bounds",
+    command = ["make", "-s", "-j%d" % os.cpu_count(), "-f", "tests/target/target.mk", "CORES=gcc-O2 m4f", "SUBJECTS=none quat", "same-bits", "bounds",
                "ROWS=1"]
     env = {k: v for k, v in os.environ.items() if not k.startswith("MAKE") and k != "MFLAGS"}
     done = subprocess.run(command, cwd=tree, capture_output=True, text=True, env=env)

@@ -11,6 +11,7 @@ import sys
 import elf
 import path as paths
 
+STACK_SIZE = 8192  # what platform_core.cpp paints
 ROOTS = ("subject_start", "subject_push", "subject_flush")
 
 
@@ -103,6 +104,8 @@ def static_facts(out, core, image):
     try:
         bound, chain = max((image.bound(image.address[r]) for r in ROOTS), key=lambda b: b[0])
         facts.update(stack_bound=bound, stack_chain=chain)
+        if bound > STACK_SIZE:
+            broken.append("stack: the bound, %d bytes, is more than the %d that the tests give" % (bound, STACK_SIZE))
     except elf.Trouble as trouble:
         broken.append(str(trouble))
     flash, ram = elf.sizes(out + ".bare.elf", core.prefix)

@@ -1,7 +1,8 @@
 #pragma once
-// A whole pipeline: poses in, bytes out. Config is what Pipeline<Config> takes, with its run-time
-// parameters in a static function params().
-#include "fairlead/pipeline.hpp"
+// A whole pipeline: poses or samples in, bytes out. Config is what Pipeline<Config> or
+// ImuPipeline<Config, mode> takes, with that one's run-time parameters in a static function
+// params(): their type says which of the two it is.
+#include "fairlead/imu_pipeline.hpp"
 #include "tests/target/subject.hpp"
 
 namespace fairlead {
@@ -13,15 +14,30 @@ inline void mix(target::Digest& d, const Bytes& bytes) noexcept {
 
 namespace target {
 
+template <class Config, class Whole>
+inline constexpr bool configures =
+    std::is_same_v<decltype(Config::params()), typename Whole::Params>;
+
 template <class Config>
 struct PipelineStage {
+    using Imu = ImuPipeline<Config, AttitudeMode::imu>;
+    using ImuMag = ImuPipeline<Config, AttitudeMode::imu_mag>;
+    using Whole =
+        std::conditional_t<configures<Config, ImuMag>, ImuMag,
+                           std::conditional_t<configures<Config, Imu>, Imu, Pipeline<Config>>>;
+
     static constexpr unsigned latency = Config::window + Config::Filter::latency;  // at most
-    static constexpr bool takes_samples = false;
+    static constexpr bool takes_samples = !std::is_same_v<Whole, Pipeline<Config>>;
     static constexpr bool takes_anything = true;
     using Output = Bytes;
-    Pipeline<Config> pipeline{Config::params()};
+    Whole pipeline{Config::params()};
 
-    std::optional<Output> push(const Record& in) { return some(pipeline.push(in.pose)); }
+    std::optional<Output> push(const Record& in) {
+        if constexpr (takes_samples)
+            return some(pipeline.push(in.sample));
+        else
+            return some(pipeline.push(in.pose));
+    }
     std::optional<Output> flush() { return some(pipeline.flush()); }
 
   private:

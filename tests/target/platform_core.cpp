@@ -22,7 +22,7 @@ namespace {
 // The stage's own stack, painted once: what it leaves untouched was never used. Nobody else writes
 // here, so the depth is the stage's alone.
 constexpr std::uint32_t paint = 0xC5C5C5C5;
-constexpr std::size_t stack_words = 1024;
+constexpr std::size_t stack_words = 2048;  // STACK_SIZE of measure.py, in words
 alignas(16) std::uint32_t stack[stack_words];
 bool painted = false;
 

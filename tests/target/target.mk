@@ -86,7 +86,7 @@ $(BUILD)/count.so: tests/target/count.c
 
 $(BUILD)/errors: tests/target/errors/errors.cpp tests/target/stream.cpp host_sim/curve_store.cpp
 	@mkdir -p $(@D)
-	g++ $(COMMON) -O1 -isystem /usr/include/eigen3 -MMD -MP -MF $@.d $^ -o $@
+	g++ $(COMMON) -O1 -isystem /usr/include/eigen3 -MMD -MP -MF $@.d $(filter %.cpp,$^) -o $@
 $(BUILD)/errors.tsv: $(BUILD)/errors tests/target/streams/adverse
 	$< >$@
 -include $(BUILD)/errors.d
@@ -96,9 +96,14 @@ EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(co
 calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
 	tests/target/calibrate.py $(BUILD) $(EMULATED)
 BOUNDED := $(filter m%,$(CORES))
-bounds: $(BUILD)/errors.tsv $(foreach core,$(BOUNDED),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
+bounds: $(if $(ROWS),,$(BUILD)/errors.tsv) $(foreach core,$(BOUNDED),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
 	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(BOUNDED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
 # a user's own configuration: CONFIG=header CORES=core, perhaps RECORDING=file BUDGET=instructions
+ifdef CONFIG
+KNOWN_CORES := $(shell awk '!/^\#/ && NF && $$3 != "-" {print $$1}' port/cortex_m/cores)
+$(if $(filter-out $(KNOWN_CORES),$(CORES)),$(error CORE=$(CORES) is none of: $(KNOWN_CORES)))
+$(foreach file,$(CONFIG) $(RECORDING),$(if $(wildcard $(file)),,$(error there is no file '$(file)')))
+endif
 user: $(CORES:%=$(BUILD)/%/user.elf) $(CORES:%=$(BUILD)/%/user.bare.elf) $(CORES:%=$(BUILD)/%/none.bare.elf) $(BUILD)/count.so
 	tests/target/user.py --build $(BUILD) --core $(CORES) $(if $(RECORDING),--recording $(RECORDING)) $(if $(BUDGET),--budget $(BUDGET))
 recordings: images

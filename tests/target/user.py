@@ -8,11 +8,11 @@ from measure import Core, count_summary, measure, read_report, read_words, run_w
 
 
 def replay(core, build, recording, out):
-    """The summary of the pushes of a recording, or None where it holds nothing for this pipeline."""
+    """The summary of the pushes of a recording."""
     core.run("%s/%s/user.elf" % (build, core.name), build, run_words(["recording=" + recording], out), out + ".counts")
     streams = read_report(out + ".report")[1]
     if not streams:
-        raise SystemExit("%s holds no poses: a pipeline needs a tracker's recording (.trk)" % recording)
+        raise SystemExit("%s holds nothing for this pipeline: poses are in .trk files, samples of an IMU in .imu files" % recording)
     return count_summary(streams, read_words(out + ".counts"))["push"]
 
 
