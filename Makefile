@@ -254,7 +254,7 @@ TARGET = $(MAKE) -s -f tests/target/target.mk
 CORE  ?= m4f
 .PHONY: target-test target-soak bounds size firmware-run must-fail
 target-test: setup-target ## the same bits on every core, exact counts, BOUNDS.md, heap, stack and firmware checks
-	+@$(TARGET) calibrate same-bits bounds search-trap firmware firmware-run recordings
+	+@$(TARGET) calibrate same-bits bounds trap firmware firmware-run recordings
 target-soak: setup-target ## all recordings on all cores, and a longer search for dear streams
 	+@$(TARGET) same-bits search recordings SOAK=1
 bounds: setup-target ## check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=header CORE=m4f RECORDING=file BUDGET=n
@@ -263,7 +263,7 @@ size: setup-target ## flash, RAM and stack of the firmware example, and its link
 	+@$(TARGET) firmware
 firmware-run: setup-target ## run the firmware example under QEMU and decode what its UART sent
 	+@$(TARGET) firmware-run
-must-fail: setup-target ## plant five faults in copies of the tree: the target checks must catch each
+must-fail: setup-target ## plant six faults in a copy of the tree: the target checks must catch each
 	@tests/must_fail/plantings.py
 
 # ---- orientation on the recordings: the tables of docs/attitude.md, and a day of data

@@ -56,7 +56,7 @@ TimingReport play(const TimingModel& model, const std::vector<TimedPush>& pushes
 /// A row of BOUNDS.md.
 struct StageBound {
     std::uint64_t flash{}, ram{}, stack_used{}, stack_bound{};
-    std::uint64_t min{}, mean{}, worst_found{}, bound{}, flush_worst{};
+    std::uint64_t min{}, mean{}, worst_found{}, bound{}, any_operands{}, flush_worst{};
 };
 /// All stages of one core, by name ("Cortex-M4F"). Throws BadData where the file has no such core.
 std::map<std::string, StageBound> read_bounds(const std::string& path, const std::string& core);
@@ -70,7 +70,7 @@ template <class Pipeline, class Records, class Cost>
 std::vector<TimedPush> replay(Pipeline& pipeline, const Records& records, const Cost& cost) {
     std::vector<TimedPush> pushes;
     for (const auto& record : records) {
-        const std::size_t bytes = pipeline.push(record).size();
+        const std::size_t bytes = pipeline.push(record).size;
         pushes.push_back({record.t_ns, cost(pushes.size()), bytes});
     }
     return pushes;

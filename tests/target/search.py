@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Looks for the stream that makes one push of a stage dearest: mutates stream recipes, runs them in the emulator with
 the counting plugin, keeps the dearest, again and again. Seeded: the same call finds the same stream. With --keep the
-winner joins tests/target/streams/worst/SUBJECT, from where every later measurement replays it."""
+winner joins tests/target/streams/worst/SUBJECT, from where every later measurement replays it. A stream that takes more than
+the measured bound disproves it: that fails."""
 import argparse
+import json
 import os
 import random
 
@@ -97,6 +99,12 @@ def search(core, subject, build, recipes, budget, seed, target=None):
     return pool[0][0], pool[0][1], spent
 
 
+def known_bound(build, core, subject):
+    """The bound of the last measurement, or None."""
+    path = "%s/%s/%s.result" % (build, core, subject)
+    return json.load(open(path))["push"]["bound"] if os.path.exists(path) else None
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", default="build/target")
@@ -117,6 +125,10 @@ def main():
         reached = most >= o.must_reach > before
         print("%s search finds the planted branch" % ("ok" if reached else "FAIL"))
         raise SystemExit(not reached)
+    bound = known_bound(o.build, o.core, o.subject)
+    if bound is not None and most > bound:
+        raise SystemExit("FAIL %s on %s: the stream '%s' takes %d instructions, the bound is %d" %
+                         (o.subject, o.core, recipe.line("dear"), most, bound))
     if o.keep and most > before:
         os.makedirs(os.path.dirname(kept_path), exist_ok=True)
         with open(kept_path, "a") as file:

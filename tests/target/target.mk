@@ -92,9 +92,10 @@ $(BUILD)/errors.tsv: $(BUILD)/errors tests/target/streams/adverse
 -include $(BUILD)/errors.d
 
 EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(core)" {print $$3}' port/cortex_m/cores)),$(core)))
-.PHONY: images measure calibrate same-bits bounds search-trap
+.PHONY: images measure calibrate same-bits bounds trap
 calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
 	tests/target/calibrate.py $(BUILD) $(EMULATED)
+	tests/target/walk.py $(BUILD)
 BOUNDED := $(filter m%,$(CORES))
 bounds: $(if $(ROWS),,$(BUILD)/errors.tsv) $(foreach core,$(BOUNDED),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
 	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(BOUNDED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
@@ -108,11 +109,14 @@ user: $(CORES:%=$(BUILD)/%/user.elf) $(CORES:%=$(BUILD)/%/user.bare.elf) $(CORES
 	tests/target/user.py --build $(BUILD) --core $(CORES) $(if $(RECORDING),--recording $(RECORDING)) $(if $(BUDGET),--budget $(BUDGET))
 recordings: images
 	tests/target/recordings.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES) $(if $(SOAK),--soak)
-search: $(SUBJECTS:%=$(BUILD)/m4f/%.elf) $(BUILD)/count.so
-	for s in $(SUBJECTS); do tests/target/search.py --build $(BUILD) --core m4f $(if $(KEEP),--keep) $(if $(SEED),--seed $(SEED)) $$s || exit 1; done
+SEARCHES := $(SUBJECTS:%=search-%)
+.PHONY: $(SEARCHES)
+search: $(SEARCHES)
+$(SEARCHES): search-%: $(BUILD)/m4f/%.result $(BUILD)/count.so
+	tests/target/search.py --build $(BUILD) --core m4f $(if $(KEEP),--keep) $(if $(SEED),--seed $(SEED)) $(if $(TRIES),--budget $(TRIES)) $*
 .PHONY: user always recordings search
 always:
-search-trap: $(BUILD)/m4f/planted.elf $(BUILD)/count.so
+trap: $(BUILD)/m4f/planted.elf $(BUILD)/count.so
 	tests/target/search.py --build $(BUILD) --core m4f planted --must-reach 6000
 same-bits: measure
 	tests/target/compare.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES)

@@ -3,6 +3,8 @@
 
 #include <fstream>
 
+#include "examples/firmware/config.hpp"
+#include "examples/firmware/motion.hpp"
 #include "host_sim/stream.hpp"
 #include "host_sim/timing.hpp"
 
@@ -71,10 +73,66 @@ TEST(Timing, TheWireIsSlowerThanItsBytes) {
 }
 
 TEST(Timing, AnOverloadedCoreIsSeenAsLateness) {
-    const auto report = play(one_megahertz(), every_millisecond(100, 1500));
-    EXPECT_FALSE(report.ok());
+    auto m = one_megahertz();
+    m.push_budget_s = 2e-3;
+    m.queue_capacity = 100;
+    m.messages_max = 3;
+    const auto report = play(m, every_millisecond(100, 1500));
     EXPECT_GT(report.core_load, 1.4);
     EXPECT_NEAR(report.response_max_s, 100 * 1.5e-3 - 99e-3, 1e-9);
+    // push i is done at 1.5 (i + 1) ms, stamped at i ms: beyond 10 ms from push 18 on
+    EXPECT_EQ(report.failures, 82u);
+    ASSERT_EQ(report.messages.size(), 3u);  // all are counted, three are told
+    EXPECT_EQ(report.messages[0],
+              "push 18: done 10500 us after its record was stamped, budget 10000 us");
+}
+
+TEST(Timing, CyclesPerInstructionAreARange) {
+    auto m = one_megahertz();
+    m.cycles_per_instruction_min = 1.25;
+    m.cycles_per_instruction_max = 2;
+    auto pushes = every_millisecond(10, 100);
+    pushes[4].instructions = 250;  // 500 us at most: just within the budget
+    auto report = play(m, pushes);
+    EXPECT_TRUE(report.ok()) << report.text();
+    EXPECT_NEAR(report.push_min_s, 125e-6, 1e-12);
+    EXPECT_NEAR(report.push_max_s, 500e-6, 1e-12);
+    EXPECT_NEAR(report.core_load, (9 * 200e-6 + 500e-6) / 9e-3, 1e-9);
+    pushes[4].instructions = 251;
+    EXPECT_FALSE(play(m, pushes).ok());
+}
+
+TEST(Timing, AReplayTellsTheBytesOfEveryPush) {
+    Pipeline<Config> pipeline{Config::params()}, other{Config::params()};
+    std::vector<Pose> records;
+    std::size_t bytes = 0;
+    for (std::int64_t n = 0; n < motion::records; ++n) {
+        records.push_back(motion::at(n * motion::step_ns));
+        bytes += other.push(records.back()).size;
+    }
+    const auto pushes = replay(pipeline, records, [](std::size_t i) { return 1000 + i; });
+    ASSERT_EQ(pushes.size(), records.size());
+    std::size_t told = 0;
+    for (std::size_t i = 0; i < pushes.size(); ++i) {
+        EXPECT_EQ(pushes[i].t_ns, records[i].t_ns);
+        EXPECT_EQ(pushes[i].instructions, 1000 + i);
+        told += pushes[i].bytes;
+    }
+    EXPECT_GT(told, 0u);
+    EXPECT_EQ(told, bytes);
+    // 115200 baud carry this motion with ease, 300 baud do not
+    TimingModel board;
+    EXPECT_TRUE(play(board, pushes).ok());
+    board.wire_bytes_per_s = 30;
+    EXPECT_FALSE(play(board, pushes).ok());
+}
+
+TEST(Timing, CountsAreReadAsTheyWereWritten) {
+    const std::string path = testing::TempDir() + "timing.counts";
+    std::ofstream{path, std::ios::binary} << std::string{"\x05\0\0\0\x01\x02\x03\xF4", 8};
+    EXPECT_EQ(read_counts(path), (std::vector<std::uint32_t>{5, 0xF4030201}));
+    std::ofstream{path, std::ios::binary} << "odd";
+    EXPECT_THROW(read_counts(path), BadData);
 }
 
 TEST(Timing, JitterIsSeededAndBounded) {
@@ -89,16 +147,28 @@ TEST(Timing, JitterIsSeededAndBounded) {
 
 TEST(Timing, BoundsAreReadByCoreAndStage) {
     const std::string path = testing::TempDir() + "timing_bounds.md";
-    std::ofstream{path} << "# BOUNDS\n| stage | what |\n|---|---|\n\n## Cortex-M0\n"
-                           "| quat | 9 | 9 | 9 | 9 | 9 | 9 | 9 | 9 | 9 | x |\n\n## Cortex-M4F\n"
-                           "| stage | flash | RAM |\n|---|---:|\n"
-                           "| quat | 2,704 | 72 | 224 | 256 | 343 | 495 | 595 | 605 | 6 | x |\n";
+    std::ofstream{path}
+        << "# BOUNDS\n| stage | what |\n|---|---|\n\n## Cortex-M0\n"
+           "| quat | 9 | 9 | 9 | 9 | 9 | 9 | 9 | 9 | 9 | 9 | x |\n\n## Cortex-M4F\n"
+           "| stage | flash | RAM |\n|---|---:|\n"
+           "| quat | 2,704 | 72 | 224 | 256 | 343 | 495 | 595 | 605 | 615 | 6 | x |\n";
     const auto bounds = read_bounds(path, "Cortex-M4F");
     ASSERT_EQ(bounds.size(), 1u);
     EXPECT_EQ(bounds.at("quat").flash, 2704u);
     EXPECT_EQ(bounds.at("quat").bound, 605u);
+    EXPECT_EQ(bounds.at("quat").any_operands, 615u);
     EXPECT_EQ(bounds.at("quat").flush_worst, 6u);
     EXPECT_THROW(read_bounds(path, "Cortex-M7"), BadData);
+}
+
+TEST(Timing, TheCommittedBoundsAreRead) {
+    for (const char* core : {"Cortex-M0", "Cortex-M3", "Cortex-M4F", "Cortex-M7", "Cortex-M33"}) {
+        const auto stage = read_bounds("BOUNDS.md", core).at("pipeline_32");
+        EXPECT_GT(stage.mean, stage.min) << core;
+        EXPECT_GT(stage.worst_found, stage.mean) << core;
+        EXPECT_GE(stage.bound, stage.worst_found) << core;
+        EXPECT_GE(stage.any_operands, stage.bound) << core;
+    }
 }
 
 }  // namespace
