@@ -1,9 +1,10 @@
 // The retarget layer for QEMU's mps2-an386 (Cortex-M4F): SysTick plays the tracker's data-ready
-// interrupt, UART 0 is the CMSDK APB UART. What a vendor's start-up code does is here, too.
+// interrupt, UART 0 is the CMSDK APB UART. The start-up code, yours from the vendor, is
+// port/cortex_m/startup.cpp here.
 #include "examples/firmware/motion.hpp"
 #include "examples/firmware/retarget.hpp"
 #include "fairlead/base/ring.hpp"
-#include "port/cortex_m/entry.hpp"
+#include "port/cortex_m/semihosting.hpp"
 
 namespace {
 
@@ -15,7 +16,7 @@ volatile std::uint32_t& reg(std::uintptr_t address) {
 constexpr std::uintptr_t uart_data = 0x40004000, uart_state = 0x40004004, uart_control = 0x40004008,
                          uart_divider = 0x40004010;
 constexpr std::uintptr_t systick_control = 0xE000E010, systick_reload = 0xE000E014,
-                         systick_value = 0xE000E018, fpu_access = 0xE000ED88;
+                         systick_value = 0xE000E018;
 
 // Times of records that wait to be read: written by the interrupt, emptied by next(), which holds
 // the interrupt off while it takes one.
@@ -23,7 +24,9 @@ fairlead::Ring<std::int64_t, 8> queue;
 volatile std::int64_t taken = 0;
 volatile std::uint32_t lost = 0;
 
-void tracker_interrupt() {
+}  // namespace
+
+extern "C" void systick_handler() {
     if (taken == motion::records) return;
     const std::int64_t n = taken;
     taken = n + 1;
@@ -33,10 +36,6 @@ void tracker_interrupt() {
     }
     queue.push(n * motion::step_ns);
 }
-
-[[noreturn]] void fault() { fairlead::cortex_m::fault(); }
-
-}  // namespace
 
 namespace board {
 
@@ -80,25 +79,3 @@ void send(const std::uint8_t* bytes, std::size_t size) {
 }
 
 }  // namespace board
-
-extern "C" {
-extern std::uint32_t link_stack_top;
-
-[[noreturn]] void reset_handler() {
-    reg(fpu_access) = reg(fpu_access) | 0xFu << 20;
-    __asm__ volatile("dsb\nisb" ::: "memory");
-    fairlead::cortex_m::prepare_memory();
-    image_main(0, nullptr);
-    board::stop();
-}
-}
-
-struct Vectors {
-    const std::uint32_t* stack_top;
-    void (*handlers[15])();
-};
-extern const Vectors vectors;
-[[gnu::section(".vectors"), gnu::used]] const Vectors vectors = {
-    &link_stack_top,
-    {reset_handler, fault, fault, fault, fault, fault, fault, nullptr, nullptr, nullptr, fault,
-     fault, nullptr, fault, tracker_interrupt}};

@@ -1,6 +1,5 @@
 #pragma once
-// What every core does between its first instructions and main(): fill memory, construct, and, for
-// tests, split the command line that the host gives.
+// What every core does between its first instructions and main(): fill memory, construct.
 #include <cstddef>
 #include <cstdint>
 
@@ -20,17 +19,6 @@ namespace fairlead::cortex_m {
     semihosting::exit(99);
 }
 
-inline int split(char* line, char** words, int words_max) noexcept {
-    int count = 0;
-    for (char* at = line; *at != '\0' && count < words_max;) {
-        while (*at == ' ') *at++ = '\0';
-        if (*at == '\0') break;
-        words[count++] = at;
-        while (*at != '\0' && *at != ' ') ++at;
-    }
-    return count;
-}
-
 /// Initial values from flash, zeros, constructors.
 inline void prepare_memory() noexcept {
     const std::uint32_t* from = &link_data_load;
@@ -41,10 +29,7 @@ inline void prepare_memory() noexcept {
 
 [[noreturn]] inline void enter() noexcept {
     prepare_memory();
-    static char line[512];
-    static char* words[16];
-    const int count = semihosting::command_line(line, sizeof line) ? split(line, words, 15) : 0;
-    semihosting::exit(image_main(count, words));
+    semihosting::exit(image_main(0, nullptr));
 }
 
 }  // namespace fairlead::cortex_m

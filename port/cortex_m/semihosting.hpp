@@ -74,13 +74,21 @@ inline bool write(int file, const void* from, std::size_t size) noexcept {
     return call(Call::write, &block) == 0;
 }
 
-/// The words given to the image, separated by spaces. False where the host offers none.
-inline bool command_line(char* to, std::size_t size) noexcept {
+/// The words given to the image, as main() takes them: the line is cut into them. @return how many.
+inline int command_line(char* line, std::size_t size, char** words, int words_max) noexcept {
     const struct {
         char* to;
         std::size_t size;
-    } block{to, size};
-    return call(Call::command_line, &block) == 0;
+    } block{line, size};
+    if (call(Call::command_line, &block) != 0) return 0;
+    int count = 0;
+    for (char* at = line; *at != '\0' && count < words_max;) {
+        while (*at == ' ') *at++ = '\0';
+        if (*at == '\0') break;
+        words[count++] = at;
+        while (*at != '\0' && *at != ' ') ++at;
+    }
+    return count;
 }
 
 [[noreturn]] inline void exit(int code) noexcept {

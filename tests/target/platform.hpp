@@ -5,6 +5,8 @@
 
 namespace fairlead::target::platform {
 
+/// Fills in what main() was given, where the machine does not do so by itself.
+void command_line(int& argc, char**& argv);
 int open_to_read(const char* path);   // a handle, or -1
 int open_to_write(const char* path);  // a handle, or -1
 std::size_t read(int file, void* to, std::size_t size);

@@ -8,6 +8,12 @@ namespace fairlead::target::platform {
 
 namespace semihosting = cortex_m::semihosting;
 
+void command_line(int& argc, char**& argv) {
+    static char line[512];
+    static char* words[16];
+    argc = semihosting::command_line(line, sizeof line, words, 16);
+    argv = words;
+}
 int open_to_read(const char* path) { return semihosting::open(path, semihosting::Mode::read); }
 int open_to_write(const char* path) { return semihosting::open(path, semihosting::Mode::write); }
 std::size_t read(int file, void* to, std::size_t size) { return semihosting::read(file, to, size); }

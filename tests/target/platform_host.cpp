@@ -19,6 +19,7 @@ int keep(std::FILE* file) {
 
 }  // namespace
 
+void command_line(int&, char**&) {}
 int open_to_read(const char* path) { return keep(std::fopen(path, "rb")); }
 int open_to_write(const char* path) { return keep(std::fopen(path, "wb")); }
 std::size_t read(int file, void* to, std::size_t size) {

@@ -161,6 +161,7 @@ const char* value_of(int argc, char** argv, const char* key) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    platform::command_line(argc, argv);
     const char* const report_path = value_of(argc, argv, "report");
     const char* const digests_path = value_of(argc, argv, "digests");
     const char* const recipes = value_of(argc, argv, "recipes");

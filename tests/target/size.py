@@ -29,7 +29,7 @@ def main():
     options = parser.parse_args()
     image = elf.Image(options.image, "arm-none-eabi-")
     flash, static = elf.sizes(options.image, "arm-none-eabi-")
-    interrupt = next(n for n in image.address if "tracker_interrupt" in n)
+    interrupt = "systick_handler"
     saved = 104 + 4  # an interrupt saves 26 words where floats are in use, and aligns
     roots = ["main"] + [n for n in image.address if "_GLOBAL__sub_I" in n]  # constructors run before main()
     start_up = 16  # what reset_handler itself keeps
