@@ -8,7 +8,7 @@ STREAMS  := $(wildcard tests/target/streams/*/* tests/target/streams/*)
 
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Werror
 COMMON := -std=c++17 -ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti $(STRICT) -Ilib/include -I. $(EXTRA)
-DEVICE := -O2 -g -fno-threadsafe-statics -fno-use-cxa-atexit -ffunction-sections -fdata-sections
+DEVICE := -O2 -fno-threadsafe-statics -fno-use-cxa-atexit -ffunction-sections -fdata-sections
 PICOLIBC := /usr/lib/picolibc/riscv64-unknown-elf
 # libstdc++ for RISC-V is not in Debian: its headers alone are, with the Arm compiler
 RISCV  := -isystem $(PICOLIBC)/include -nostdinc++ $(addprefix -isystem ,$(firstword $(wildcard /usr/include/newlib/c++/*)) $(firstword $(wildcard /usr/include/newlib/c++/*/arm-none-eabi)))
@@ -34,7 +34,7 @@ $(BUILD)/$(1)/user.subject.o: $(CONFIG) tests/target/user.hpp tests/target/subje
 	@mkdir -p $$(@D)
 	$(2) $(7) $$(FLAGS_$(1)) -DFAIRLEAD_CONFIG='"$(abspath $(CONFIG))"' -DFAIRLEAD_SUBJECT='"tests/target/user.hpp"' -c tests/target/subject.cpp -o $$@
 ifeq ($(3),-)
-FLAGS_$(1) := $(COMMON) -g
+FLAGS_$(1) := $(COMMON)
 $(BUILD)/$(1)/%.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,run stream platform_host,$(BUILD)/$(1)/$(o).o)
 	$(2) $$^ -o $$@
 $(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(STREAMS) tests/target/measure.py
