@@ -203,6 +203,9 @@ class Image:
         """Addresses that were loaded shortly before a computed jump."""
         before = body[max(0, n - 10):n]
         bases = [int(w[1], 16) for i in before for w in [re.match(r"([0-9a-f]+) <", i.comment)] if w]
+        # RISC-V: the upper part alone, where the lower is zero
+        bases += [i.address + (int(w[1], 16) << 12) & 0xFFFFFFFF for i in before if i.name == "auipc"
+                  for w in [re.search(r",(0x[0-9a-f]+)", i.text)] if w]
         return [v for v in self.literals(body)[body[n].address].values() if isinstance(v, int) and v > 0] + bases[::-1]
 
     def offsets(self, body, base, origin):
@@ -302,8 +305,9 @@ class Image:
 
 HEAP = re.compile(r"^_?(malloc|free|calloc|realloc|_malloc_r|_free_r|_sbrk|_sbrk_r|sbrk|_Zn[wa].*|_Zd[la]Pv.*)$")
 FUSED = re.compile(r"^(vfma|vfms|vfnma|vfnms|fmadd|fmsub|fnmadd|fnmsub)")
-# of the C library: copying and filling memory, and the square root, which IEEE 754 defines to the bit (with its errno)
-C_LIBRARY = re.compile(r"(mem(cpy|move|set|cmp)|sqrt|errno|impure|lib_ver|math_err|fpclassify)")
+# of the C library: copying and filling memory, and the square root, which IEEE 754 defines to the bit (with its errno, and
+# the rounding mode that one of them reads)
+C_LIBRARY = re.compile(r"(mem(cpy|move|set|cmp)|sqrt|errno|impure|lib_ver|math_err|fpclassify|fegetround)")
 
 
 def members(map_path):
