@@ -5,7 +5,8 @@
 using Stage = fairlead::FairingWindow<3, 4, true>;
 
 struct Subject : fairlead::target::PoseStage<Stage> {
-    static constexpr const char* text = "FairingWindow<3, 4, true>: rho_3 alternating, 4 rounds, bounded";
+    static constexpr const char* text =
+        "FairingWindow<3, 4, true>: rho_3 alternating, 4 rounds, bounded";
     static fairlead::FairingParams bounded() {
         fairlead::FairingParams params;
         params.bound_m = 0.002f;
