@@ -102,7 +102,7 @@ inline Largest calibrator_error(const std::vector<Records>& streams) {
     const Calibration c = calibrator_stage::Subject::example();
     const auto corrected = [&c](const Affine& affine, const BasicVec3<double>& reading) {
         const auto& m = affine.matrix;
-        const Matrix3<double> exact{widened(m.x), widened(m.y), widened(m.z)};
+        const BasicMat3<double> exact{widened(m.x), widened(m.y), widened(m.z)};
         return of(rotate(widened(c.q_bs), exact * (reading - widened(affine.offset))));
     };
     for (const Records& records : streams)
