@@ -154,21 +154,24 @@ void write_page(const std::string& path, const std::string& tables) {
     write_bytes(path, page.replace(a + from.size(), b - a - from.size(), "\n" + tables));
 }
 
+/// Of each family the settings that no other of it beats.
 Panel panel(const std::vector<Entry>& entries, const Side& side, const std::string& name) {
     Panel p;
     p.title = name + ", " + side.name;
     p.x_label = "lag, samples";
     p.y_label = std::string("noise above the limit, ") + side.unit;
     p.log_y = true;
-    std::map<std::string, std::size_t> index;
-    for (const auto& e : entries) {
-        const auto& f = e.figures.*side.channel;
-        if (f.lag > 12) continue;
-        const std::string family =
-            e.ours ? "ours: " + e.family.substr(0, e.family.find(',')) : "rival: " + e.family;
-        const auto [it, fresh] = index.emplace(family, p.series.size());
-        if (fresh) p.series.push_back({family, {}, Curve::Style::points});
-        p.series[it->second].points.emplace_back(f.lag, f.noise * side.scale);
+    std::map<std::string, std::vector<Entry>> families;
+    for (const auto& e : entries)
+        families[(e.ours ? "ours: " : "rival: ") + e.family.substr(0, e.family.find(','))]
+            .push_back(e);
+    for (const auto& [family, members] : families) {
+        const bool ours = members.front().ours;
+        Curve curve{family, {}, ours ? Curve::Style::both : Curve::Style::dashed};
+        for (const Point& point : frontier(members, ours, side.channel))
+            if (point.lag >= -0.5 && point.lag <= 12)
+                curve.points.emplace_back(point.lag, point.noise * side.scale);
+        p.series.push_back(curve);
     }
     return p;
 }
@@ -199,7 +202,7 @@ void run(const Options& options) {
             make_folder(options.out);
             const std::string base = options.out + "/compare_" + stem_of(file);
             write_bytes(base + ".md", report);
-            write_plot(base + ".svg", panels, 860, 420);
+            write_plot(base + ".svg", panels, 860, 520);
         }
         ours = rivals = 0;
         for (const Entry& entry : entries) ++(entry.ours ? ours : rivals);

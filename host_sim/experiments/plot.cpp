@@ -17,10 +17,21 @@ std::string quoted(std::string text) {
 const char* style_of(Curve::Style style) {
     switch (style) {
         case Curve::Style::line: return "lines";
+        case Curve::Style::dashed: return "lines dashtype 2";
         case Curve::Style::points: return "points";
         case Curve::Style::both: return "linespoints";
     }
     return "lines";
+}
+
+/// Places for the labels of a logarithmic axis.
+std::string decades() {
+    std::string places;
+    for (int e = -5; e <= 4; ++e) {
+        for (const char* digit : {"1", "2", "5"})
+            places += (places.empty() ? "" : ",") + std::string(digit) + "e" + std::to_string(e);
+    }
+    return places;
 }
 
 std::string script(const std::string& path, const std::vector<Panel>& panels, int width,
@@ -29,8 +40,13 @@ std::string script(const std::string& path, const std::vector<Panel>& panels, in
                     std::to_string(width) + "," +
                     std::to_string(height * static_cast<int>(panels.size())) + "\nset output " +
                     quoted(path) + "\nset grid lc rgb '#dddddd'\n" +
-                    "set key outside right top\nset pointsize 0.5\nset multiplot layout " +
-                    std::to_string(panels.size()) + ",1\n";
+                    "set key outside bottom center horizontal\nset pointsize 0.5\n"
+                    "set format '%g'\nset linetype cycle 8\n";
+    int colour = 0;  // grey comes first: the measurement, or the older of two
+    for (const char* rgb :
+         {"7f8c99", "d1495b", "2e86ab", "3a7d44", "000000", "e09f3e", "7b4fa3", "17a2a2"})
+        s += "set linetype " + std::to_string(++colour) + " lw 1.3 lc rgb '#" + rgb + "'\n";
+    s += "set multiplot layout " + std::to_string(panels.size()) + ",1\n";
     std::size_t block = 0;
     for (const auto& panel : panels) {
         for (const auto& series : panel.series) {
@@ -43,10 +59,13 @@ std::string script(const std::string& path, const std::vector<Panel>& panels, in
     block = 0;
     for (const auto& panel : panels) {
         s += "set title " + quoted(panel.title) + "\nset xlabel " + quoted(panel.x_label) +
-             "\nset ylabel " + quoted(panel.y_label) + '\n';
+             " offset 0,0.6" + "\nset ylabel " + quoted(panel.y_label) + '\n';
         s += std::string(panel.log_x ? "set" : "unset") + " logscale x\n";
-        s += std::string(panel.log_y ? "set" : "unset") + " logscale y\n";
-        s += panel.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
+        s += panel.log_y ? "set logscale y\nset autoscale yfix\nset ytics (" + decades() + ")\n"
+                         : "unset logscale y\nset autoscale y\nset ytics autofreq\n";
+        s += panel.equal_axes ? "unset lmargin\nunset rmargin\nset size ratio -1\n"
+                              : "set size noratio\nset lmargin at screen 0.11\n"
+                                "set rmargin at screen 0.97\n";
         std::string plots;
         for (const auto& series : panel.series) {
             if (!plots.empty()) plots += ", ";

@@ -10,7 +10,7 @@ namespace fairlead::sim {
 struct Curve {
     std::string name;
     std::vector<std::pair<double, double>> points;
-    enum class Style { line, points, both } style{Style::line};
+    enum class Style { line, dashed, points, both } style{Style::line};
 };
 
 struct Panel {

@@ -191,7 +191,7 @@ constexpr Mask<Taps, Taps - 1> zero_lag_mask(double noise_gain) noexcept {
 }
 
 /// Causal, and at a constant rate `late` samples late, which may be any number: reading a little
-/// late costs far less noise than reading now. Of all masks of its length that are wrong about a
+/// late leaves less noise than reading now. Of all masks of its length that are wrong about a
 /// constant acceleration by no more it leaves the least noise: degree 1 is as wrong as a line,
 /// degree 2 is right, 1.4 is 0.6 times as wrong as the line. The result stands at the centre tap,
 /// `Latency` records back, and is true first_moment() samples, at most half of one, beside it.
