@@ -229,7 +229,8 @@ $(BUILD)/tests/strain: $(call objects,tests/recordings/strain.cpp) $(BUILD)/libs
 SMOOTH_BASELINES := $(sort $(wildcard host_sim/baselines/filters/*.cpp))
 $(BUILD)/bench-smooth: $(call objects,host_sim/bench_smooth/smooth.cpp $(SMOOTH_BASELINES))
 	$(CXX) $(HOST) $^ -lbenchmark -o $@
-.PHONY: bench-smooth
+.PHONY: bench bench-smooth
+bench: bench-smooth ## time smoothing beside its rivals (also: bench-peers, compare, attitude-table)
 bench-smooth: setup-build setup-bench ## time strain smoothing beside gradient descent and fairing
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/bench-smooth
 	$(BUILD)/bench-smooth

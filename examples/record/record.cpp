@@ -34,10 +34,6 @@ struct Options {
     bool accept_unknown{false};
 };
 
-struct MonotonicClock {
-    static std::int64_t now() noexcept { return now_ns(); }
-};
-
 void say(const Probe& p) {
     std::fprintf(stderr, "address 0x%02x register 0x%02x: %s", p.address, p.reg,
                  to_string(p.status));

@@ -17,6 +17,11 @@ inline std::int64_t now_ns() noexcept {
     return static_cast<std::int64_t>(t.tv_sec) * second + t.tv_nsec;
 }
 
+/// The same as a type, for stages that are given their clock.
+struct MonotonicClock {
+    static std::int64_t now() noexcept { return now_ns(); }
+};
+
 /// Sleeps until the absolute time; a signal does not shorten it.
 inline void sleep_until(std::int64_t t_ns) noexcept {
     const timespec t{static_cast<time_t>(t_ns / second), static_cast<long>(t_ns % second)};

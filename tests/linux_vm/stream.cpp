@@ -19,10 +19,6 @@ using namespace fairlead::port;
 
 namespace {
 
-struct MonotonicClock {
-    static std::int64_t now() noexcept { return now_ns(); }
-};
-
 unsigned long long u(std::uint64_t v) { return v; }
 
 }  // namespace
