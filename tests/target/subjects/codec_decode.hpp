@@ -1,6 +1,6 @@
 #pragma once
 // The codec alone, inward: the bytes that a push of an encoder completed (not counted), every
-// eleventh time with a flipped bit, so that the search for the next frame is seen, too.
+// eleventh time with a flipped bit somewhere, so that the search for the next frame is seen, too.
 #include "examples/firmware/config.hpp"
 #include "fairlead/reduce/evaluate.hpp"
 #include "fairlead/wire/decoder.hpp"
@@ -16,7 +16,7 @@ struct Subject {
 
     fairlead::Decoder decoder{};
     fairlead::Bytes bytes{};
-    std::uint32_t damage_in{11};
+    std::uint32_t damage_in{11}, dice{1};
     bool fresh{true};
 
     void prepare(const fairlead::target::Record& in) {
@@ -28,9 +28,11 @@ struct Subject {
         if (bytes.empty()) return;
         for (std::size_t i = 0; i < bytes.size; ++i) copy[i] = bytes.data[i];
         bytes.data = copy.data();
+        dice = dice * 1664525 + 1013904223;
         if (--damage_in > 0) return;
         damage_in = 11;
-        copy[bytes.size / 2] ^= 4;
+        const std::uint32_t bit = (dice >> 8) % static_cast<std::uint32_t>(8 * bytes.size);
+        copy[bit / 8] = static_cast<std::uint8_t>(copy[bit / 8] ^ (1u << bit % 8));
     }
 
     std::optional<Output> push(const fairlead::target::Record& in) {
