@@ -22,7 +22,7 @@ PLANTINGS = [
      r"template <class R>\n[[gnu::noinline]] R planted(R x) {\n    return x > 4 ? planted(x / 2) + 1 : x;\n}\n"
      r"\1\2planted(n) / planted(n) * \3", r"recursion: "),
     ("ten per cent more instructions", QUAT, r"(inline BasicVec3<R> log\(.*?\{\n)",
-     r'\1    __asm__ volatile(".rept 14\\nnop\\n.endr");\n', r"worst found is \d+, committed \d+"),
+     r'\1    __asm__ volatile(".rept 8\\nnop\\n.endr");\n', r"worst found is \d+, committed \d+"),
     ("another rounding on one machine", QUAT, r"s = sc\.sin / n;",
      "s = sc.sin / n;\n#ifdef __arm__\n        s = sc.sin * (1 / n);\n#endif",
      r"FAIL same bits: stage quat differs between gcc-O2 and m4f; first at stream \S+, push \d+"),
@@ -69,7 +69,7 @@ def main():
             passes, said = check(tree)
             caught = not passes and re.search(must_say, said)
             line = next((l for l in said.splitlines() if re.search(must_say, l)), "")
-            print("%s caught: %s   %s" % ("ok" if caught else "FAIL", name, line.strip()[:140] if caught else "\n" + said))
+            print("%s caught: %s   %s" % ("ok" if caught else "FAIL", name, line.strip()[-120:] if caught else "\n" + said))
             failed |= not caught
             with open(os.path.join(tree, path), "w") as file:
                 file.write(before)
