@@ -21,8 +21,8 @@ PLANTINGS = [
     ("recursion", QUAT, r"(template <class R>\ninline BasicVec3<R> log\(.*?\{\n)(.*?return )(\(approx::atan2)",
      r"template <class R>\n[[gnu::noinline]] R planted(R x) {\n    return x > 4 ? planted(x / 2) + 1 : x;\n}\n"
      r"\1\2planted(n) / planted(n) * \3", r"recursion: "),
-    ("ten per cent more instructions", QUAT, r"(inline BasicVec3<R> log\(.*?\{\n)",
-     r'\1    __asm__ volatile(".rept 8\\nnop\\n.endr");\n', r"worst found is \d+, committed \d+"),
+    ("ten per cent more instructions", QUAT, r"(inline R rotation_angle\(.*?\{\n)",
+     r'\1    __asm__ volatile(".rept 32\\nnop\\n.endr");\n', r"worst found is \d+, committed \d+"),
     ("another rounding on one machine", QUAT, r"s = sc\.sin / n;",
      "s = sc.sin / n;\n#ifdef __arm__\n        s = sc.sin * (1 / n);\n#endif",
      r"FAIL same bits: stage quat differs between gcc-O2 and m4f; first at stream \S+, push \d+"),
