@@ -76,7 +76,7 @@ class Magnetometer {
         const auto field = driver.read(sample.t_ns);
         if (!field) return;
         sample.mag_uT = field->mag_uT;
-        sample.flags |= field->flags & (flag::mag_valid | flag::clipped);
+        sample.flags |= field->flags & (flag::mag_valid | flag::clipped | flag::mag_clipped);
     }
     std::optional<Lis3mdl<I2c>> lis3mdl_;
     std::optional<Ak09916<I2c>> ak09916_;

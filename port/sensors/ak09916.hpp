@@ -99,7 +99,7 @@ class Ak09916 {
         sample.mag_uT = scaled(triple<little_endian>(b + 1), ak09916::uT_per_count);
         sample.flags = flag::mag_valid;
         if ((b[0] & 0x02) != 0) sample.flags |= flag::gap_before;  // DOR: one was overwritten
-        if ((b[8] & 0x08) != 0) sample.flags |= flag::clipped;     // HOFL
+        if ((b[8] & 0x08) != 0) sample.flags |= flag::clipped | flag::mag_clipped;  // HOFL
         return sample;
     }
 

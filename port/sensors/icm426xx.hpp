@@ -328,10 +328,10 @@ class Icm426xx {
         const auto none = [](const std::array<std::int16_t, 3>& v) {
             return v[0] == INT16_MIN && v[1] == INT16_MIN && v[2] == INT16_MIN;
         };
-        std::uint32_t gone = 0;
-        if (none(raw.gyro)) gone |= flag::gyro_valid | flag::clipped;
-        if (none(raw.accel)) gone |= flag::accel_valid | flag::clipped;
-        sample.flags &= ~gone;
+        if (none(raw.gyro)) sample.flags &= ~(flag::gyro_valid | flag::gyro_clipped);
+        if (none(raw.accel)) sample.flags &= ~(flag::accel_valid | flag::accel_clipped);
+        if ((sample.flags & (flag::gyro_clipped | flag::accel_clipped)) == 0)
+            sample.flags &= ~flag::clipped;
         if (settling_ == 0) return;
         --settling_;
         sample.flags |= flag::settling;

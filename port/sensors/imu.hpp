@@ -100,7 +100,8 @@ constexpr Sample to_sample(const RawImu& raw, const ImuScale& scale, std::int64_
     s.gyro_rad_s = scaled(raw.gyro, scale.gyro_rad_s);
     s.accel_m_s2 = scaled(raw.accel, scale.accel_m_s2);
     s.flags = flags | flag::gyro_valid | flag::accel_valid;
-    if (at_end(raw.gyro) || at_end(raw.accel)) s.flags |= flag::clipped;
+    if (at_end(raw.gyro)) s.flags |= flag::clipped | flag::gyro_clipped;
+    if (at_end(raw.accel)) s.flags |= flag::clipped | flag::accel_clipped;
     return s;
 }
 

@@ -121,7 +121,7 @@ class Lis3mdl {
         sample.t_ns = edge_ns;
         sample.mag_uT = scaled(raw, lis3mdl::uT_per_count(config_.range));
         sample.flags = flag::mag_valid;
-        if (at_end(raw)) sample.flags |= flag::clipped;
+        if (at_end(raw)) sample.flags |= flag::clipped | flag::mag_clipped;
         if ((b[0] & 0x80) != 0) sample.flags |= flag::gap_before;  // one was overwritten, at least
         temperature_c_ = static_cast<float>(little_endian(b + 7)) / 8.0f + 25.0f;
         return sample;

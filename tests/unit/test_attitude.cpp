@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "fairlead/sense/attitude_gyro.hpp"
+#include "fairlead/sense/intake.hpp"
 #include "host_sim/random.hpp"
 #include "tests/ref/imu_motion.hpp"
 
@@ -170,7 +171,7 @@ TEST(Attitude, RecoversFromAClippedGyro) {
         for (float* x : {&s.gyro_rad_s.x, &s.gyro_rad_s.y, &s.gyro_rad_s.z}) {
             if (std::abs(*x) < 1.4f) continue;
             *x = std::clamp(*x, -1.4f, 1.4f);
-            s.flags |= flag::clipped;
+            s.flags |= flag::clipped | flag::gyro_clipped;
         }
         flagged = flagged || (filter.state().flags & flag::clipped) != 0;
     };
@@ -178,6 +179,50 @@ TEST(Attitude, RecoversFromAClippedGyro) {
     EXPECT_TRUE(flagged);
     EXPECT_LT(e.inclination_deg, 1.5);
     EXPECT_LT(e.total_deg, 4.0);
+}
+
+TEST(Attitude, AClippedSensorSpeaksForItselfAlone) {
+    const auto worst_with = [](flag::Bits flags) {
+        Motion motion{World{}};
+        Attitude filter;
+        const auto mark = [flags](Sample& s, double t) {
+            s.flags |= t > 20 && t < 30 ? flags : 0u;
+        };
+        worst(filter, motion, 29, 29, mark);
+        return std::pair{filter.inclination_sigma(), filter.state().flags & flag::clipped};
+    };
+    const auto plain = worst_with(0);
+    const auto mag = worst_with(flag::clipped | flag::mag_clipped);
+    EXPECT_NEAR(mag.first, plain.first, 0.01f * plain.first) << "the others are trusted";
+    EXPECT_EQ(mag.second, 0u);
+    const auto gyro = worst_with(flag::clipped | flag::gyro_clipped);
+    const auto accel = worst_with(flag::clipped | flag::accel_clipped);
+    EXPECT_GT(gyro.first, 2 * plain.first);
+    EXPECT_GT(accel.first, 2 * plain.first);
+    EXPECT_NE(gyro.second, 0u);
+    EXPECT_NE(accel.second, 0u);
+    const auto any = worst_with(flag::clipped);  // from nobody knows which
+    EXPECT_GT(any.first, gyro.first);
+}
+
+TEST(Attitude, AMagnetometerThatRepeatsItselfBlindsNobody) {
+    Motion a{World{}}, b{World{}};
+    IntakeParams params;
+    params.stuck_records = 20;
+    Intake<Sample> intake{params};
+    Attitude plain, held;
+    Vec3 last{};
+    for (int i = 0; i < 10000; ++i) {
+        Sample s = a.next(), t = b.next();
+        if (i % 100 == 0) last = s.mag_uT;
+        s.mag_uT = last;  // a driver that delivers the last reading again
+        if (i % 100 >= 19) t.flags &= ~flag::mag_valid;
+        t.mag_uT = last;
+        const auto p = held.push(*intake.push(s)), q = plain.push(t);
+        ASSERT_EQ(p->q_wb.x, q->q_wb.x) << i;
+        ASSERT_EQ(p->q_wb.z, q->q_wb.z) << i;
+    }
+    EXPECT_EQ(held.state().blind_s, 0);
 }
 
 TEST(Attitude, BelievesANewFieldOnceItIsSteady) {
@@ -319,6 +364,38 @@ TEST(AttitudeGyro, FollowsTruthAndLearnsItsBiasAtRest) {
     }
     EXPECT_NEAR(filter.bias_rad_s().y, -0.006, 0.0005);
     EXPECT_LT(worst_deg, 1.0);
+}
+
+TEST(AttitudeGyro, AGapTeachesNoBias) {
+    AttitudeGyro filter;
+    Sample s;
+    s.flags = flag::gyro_valid;
+    for (int i = 0; i < 2000; ++i) {  // it rests, and its bias is known
+        s.t_ns += period_ns;
+        filter.push(s);
+    }
+    s.gyro_rad_s = {0, 0, 0.02f};  // a slow turn after an hour's silence
+    s.t_ns += 3'600'000'000'000;
+    const auto pose = filter.push(s);
+    ASSERT_TRUE(pose);
+    EXPECT_EQ(pose->flags & flag::rest, 0u);
+    EXPECT_EQ(filter.bias_rad_s().z, 0);
+}
+
+TEST(AttitudeGyro, SaysThatItIsClipped) {
+    AttitudeParams params;
+    params.gyro_max_rad_s = 4;
+    AttitudeGyro filter{params};
+    Sample s;
+    s.flags = flag::gyro_valid;
+    for (const float rate : {3.0f, 3.99f, 3.0f}) {
+        s.t_ns += period_ns;
+        s.gyro_rad_s.y = -rate;
+        const auto pose = filter.push(s);
+        if (s.t_ns > period_ns) {
+            EXPECT_EQ((pose->flags & flag::clipped) != 0, rate > 3.9f);
+        }
+    }
 }
 
 }  // namespace

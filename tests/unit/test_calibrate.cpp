@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "fairlead/sense/calibrate_accel.hpp"
 #include "fairlead/sense/calibrate_gyro.hpp"
@@ -173,6 +174,31 @@ TEST(MagFit, RecoversHardAndSoftIron) {
             EXPECT_LT(norm((1 / norm(c)) * c - d), 0.02f) << "seed " << seed;
         }
     }
+}
+
+TEST(Fits, AReadingThatIsNoNumberCountsForNothing) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    Random random{11};
+    const Magnet m;
+    MagFit mag;
+    GyroBiasFit gyro;
+    for (int i = 0; i < 600; ++i) {
+        mag.push(m.soft * (m.field_uT * direction(random)) + m.hard);
+        gyro.push({0.01f, 0, 0}, 0.01f);
+        if (i % 100 != 50) continue;
+        mag.push({nan, 1, 2});
+        gyro.push({0, nan, 0}, 0.01f);
+    }
+    EXPECT_EQ(mag.count(), 600u);
+    ASSERT_TRUE(mag.result());
+    expect_near(mag.result()->correction.offset, m.hard, 0.01f);
+    ASSERT_TRUE(gyro.result());
+    expect_near(gyro.result()->bias_rad_s, {0.01f, 0, 0}, 1e-6f);
+    AccelFit accel;
+    EXPECT_FALSE(accel.push({nan, 0, 0}));
+    GyroTurnFit turn;
+    turn.push({1, nan, 0}, 2);
+    EXPECT_FALSE(turn.result(0, 2)) << "a turn of which a part is missing";
 }
 
 TEST(MagFit, RefusesPoorCoverage) {

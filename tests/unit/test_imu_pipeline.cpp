@@ -62,4 +62,24 @@ TEST(ImuPipeline, IsItsStagesAndItsBytesDecode) {
     EXPECT_LT(bytes, n * sizeof(Quat) / 20);
 }
 
+// A range is the chip's: neither the calibration's scale nor the mounting may hide its end.
+TEST(ImuPipeline, NoticesTheEndOfARangeBeforeCalibrationMovesIt) {
+    using Chain = ImuPipeline<PipelineConfig>;
+    Chain::Params params;
+    params.attitude.gyro_max_rad_s = 4;
+    params.attitude.accel_max_m_s2 = 40;
+    params.calibration.gyro.matrix = {{0.9f, 0, 0}, {0, 0.9f, 0}, {0, 0, 0.9f}};
+    params.calibration.q_bs = from_rotation_vector(Vec3{0.5f, 0.4f, 0.3f});
+    auto chain = std::make_unique<Chain>(params);
+    for (int i = 0; i < 1000; ++i) {
+        Sample s = turntable(i);
+        const bool gyro = i == 700, accel = i == 800;
+        if (gyro) s.gyro_rad_s.z = -4;
+        if (accel) s.accel_m_s2.x = 40;
+        chain->push(s);
+        ASSERT_TRUE(chain->pose());
+        ASSERT_EQ((chain->pose()->flags & flag::clipped) != 0, gyro || accel) << i;
+    }
+}
+
 }  // namespace

@@ -6,6 +6,7 @@
 #include "fairlead/sense/attitude.hpp"
 #include "fairlead/sense/attitude_gyro.hpp"
 #include "fairlead/sense/calibrate.hpp"
+#include "fairlead/sense/clip.hpp"
 
 namespace fairlead {
 
@@ -25,8 +26,10 @@ class ImuPipeline {
     explicit ImuPipeline(const Params& params) noexcept
         : intake_{params.intake},
           calibrate_{params.calibration},
-          orientation_{params.attitude},
-          motion_{only_orientation(params.motion)} {}
+          orientation_{without_ranges(params.attitude)},
+          motion_{only_orientation(params.motion)},
+          gyro_max_rad_s_{params.attitude.gyro_max_rad_s},
+          accel_max_m_s2_{params.attitude.accel_max_m_s2} {}
 
     /// One raw sample. @return the frames that it completed, possibly none; valid until the next
     /// call.
@@ -34,7 +37,8 @@ class ImuPipeline {
         pose_.reset();
         const auto sample = intake_.push(raw);
         if (!sample) return motion_.idle();
-        pose_ = orientation_.push(calibrate_(*sample));
+        const Sample marked = mark_clipped(*sample, gyro_max_rad_s_, accel_max_m_s2_);
+        pose_ = orientation_.push(calibrate_(marked));
         return pose_ ? motion_.push(*pose_) : motion_.idle();
     }
 
@@ -60,10 +64,17 @@ class ImuPipeline {
         return params;
     }
 
+    /// Ranges are those of the raw readings: calibration and mounting would move them.
+    static AttitudeParams without_ranges(AttitudeParams params) noexcept {
+        params.gyro_max_rad_s = params.accel_max_m_s2 = 0;
+        return params;
+    }
+
     Intake<Sample> intake_;
     Calibrator calibrate_;
     Orientation orientation_;
     Motion motion_;
+    float gyro_max_rad_s_, accel_max_m_s2_;
     std::optional<Pose> pose_{};
 };
 

@@ -41,13 +41,16 @@ inline constexpr Bits gap_before = 1u << 2;         // time or data is missing: 
 inline constexpr Bits position_gap = 1u << 3;       // the same, of the position channel alone
 inline constexpr Bits orientation_gap = 1u << 4;    // the same, of the orientation channel alone
 inline constexpr Bits clipped = 1u << 5;            // a sensor axis stood at the end of its range
-inline constexpr Bits stuck = 1u << 6;         // the same value for longer than life would give
-inline constexpr Bits settling = 1u << 7;      // an estimator has not converged yet
-inline constexpr Bits mag_rejected = 1u << 8;  // the magnetic field is disturbed
-inline constexpr Bits rest = 1u << 9;          // the board is at rest
-inline constexpr Bits gyro_valid = 1u << 10;   // Sample: gyro_rad_s holds a measurement
-inline constexpr Bits accel_valid = 1u << 11;  // Sample: accel_m_s2 holds a measurement
-inline constexpr Bits mag_valid = 1u << 12;    // Sample: mag_uT holds a measurement
+inline constexpr Bits stuck = 1u << 6;           // the same value for longer than life would give
+inline constexpr Bits settling = 1u << 7;        // an estimator has not converged yet
+inline constexpr Bits mag_rejected = 1u << 8;    // the magnetic field is disturbed
+inline constexpr Bits rest = 1u << 9;            // the board is at rest
+inline constexpr Bits gyro_valid = 1u << 10;     // Sample: gyro_rad_s holds a measurement
+inline constexpr Bits accel_valid = 1u << 11;    // Sample: accel_m_s2 holds a measurement
+inline constexpr Bits mag_valid = 1u << 12;      // Sample: mag_uT holds a measurement
+inline constexpr Bits gyro_clipped = 1u << 13;   // Sample: of what sensor, beside clipped
+inline constexpr Bits accel_clipped = 1u << 14;  // likewise
+inline constexpr Bits mag_clipped = 1u << 15;    // likewise
 }  // namespace flag
 
 /// One reading of an IMU, as the chip said it, in SI units and the body frame.

@@ -17,6 +17,7 @@
 #include "fairlead/sense/attitude_rest.hpp"
 #include "fairlead/sense/attitude_state.hpp"
 #include "fairlead/sense/attitude_strapdown.hpp"
+#include "fairlead/sense/clip.hpp"
 #include "fairlead/sense/saved.hpp"
 
 namespace fairlead {
@@ -112,11 +113,6 @@ class BasicAttitude {
     }
     static bool valid(const Sample& sample, std::uint32_t bit, const Vec3& v) noexcept {
         return (sample.flags & bit) != 0 && approx::is_finite(v.x + v.y + v.z);
-    }
-    static bool beyond(const Vec3& v, float max) noexcept {
-        constexpr float full = 0.99f;  // of the range: the last code may be a little below it
-        const float limit = full * max;
-        return approx::abs(v.x) >= limit || approx::abs(v.y) >= limit || approx::abs(v.z) >= limit;
     }
     Real tilt_variance() const noexcept {
         return s_.covariance(State::tilt, State::tilt) +
@@ -278,10 +274,9 @@ class BasicAttitude {
 
     /// A clipped or dead axis: the angle missed grows with the time it lasts.
     bool doubt_gyro(const Sample& sample, Real dt) noexcept {
-        const float range = params_.gyro_max_rad_s;
-        const bool clipped =
-            range > 0 ? beyond(sample.gyro_rad_s, range) : (sample.flags & flag::clipped) != 0;
-        const bool dead = s_.gyro_dead || (sample.flags & flag::stuck) != 0;
+        const bool clipped = is_clipped(sample, flag::gyro_clipped) ||
+                             at_range_end(sample.gyro_rad_s, params_.gyro_max_rad_s);
+        const bool dead = s_.gyro_dead;
         if (!clipped && !dead) {
             s_.blind_s = 0;
             return false;
@@ -312,8 +307,8 @@ class BasicAttitude {
     }
 
     bool accel_clipped(const Sample& sample) const noexcept {
-        if (params_.accel_max_m_s2 > 0) return beyond(sample.accel_m_s2, params_.accel_max_m_s2);
-        return (sample.flags & (flag::clipped | flag::stuck)) != 0;
+        return is_clipped(sample, flag::accel_clipped) ||
+               at_range_end(sample.accel_m_s2, params_.accel_max_m_s2);
     }
 
     void add_force(const BasicMat3<Real>& axes, const Vector& accel, Real dt,
@@ -333,6 +328,7 @@ class BasicAttitude {
 
     void add_field(const BasicMat3<Real>& axes, const Sample& sample) noexcept {
         if (!valid(sample, flag::mag_valid, sample.mag_uT)) return;
+        if ((sample.flags & flag::mag_clipped) != 0) return;
         s_.field.sum += axes * widen(sample.mag_uT);
         ++s_.field.count;
     }

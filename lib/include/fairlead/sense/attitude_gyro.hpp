@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "fairlead/sense/attitude.hpp"
+#include "fairlead/sense/clip.hpp"
 
 namespace fairlead {
 
@@ -55,10 +56,11 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
         if (sample.t_ns <= s_.t_ns) return std::nullopt;
         if (!usable) return pose(sample, 0);
         // a gap of any length is bridged: there is nothing better to do
-        const auto dt = static_cast<Real>(static_cast<float>(sample.t_ns - s_.t_ns) * 1e-9f);
+        const auto dt = static_cast<Real>(sample.t_ns - s_.t_ns) * static_cast<Real>(1e-9);
         s_.t_ns = sample.t_ns;
-        judge_rest(s_.rest, params_, dt);
-        const bool rest = update_rest(s_.rest, params_, gyro, Vector{}, dt);
+        const bool clipped = is_clipped(sample, flag::gyro_clipped) ||
+                             at_range_end(sample.gyro_rad_s, params_.gyro_max_rad_s);
+        const bool rest = notice_rest(gyro, dt) && !clipped;
         learn_bias(rest, dt);
         const Vector rate = gyro - s_.bias_rad_s;
         const bool gap = (sample.flags & flag::gap_before) != 0;
@@ -66,8 +68,8 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
         s_.rate_rad_s = rate;
         const Vector turn = dt * mean;
         s_.q_wb = normalised(s_.q_wb * turn_quat(turn, dot(turn, turn)));
-        constexpr std::uint32_t moving = flag::orientation_valid, still = moving | flag::rest;
-        return pose(sample, rest ? still : moving);
+        return pose(sample, flag::orientation_valid | (rest ? flag::rest : 0u) |
+                                (clipped ? flag::clipped : 0u));
     }
     static constexpr std::optional<Pose> flush() noexcept { return std::nullopt; }
 
@@ -85,6 +87,15 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
   private:
     static Real sq(float x) noexcept { return static_cast<Real>(x) * static_cast<Real>(x); }
 
+    /// One sample after a long gap is no rest, however long the gap.
+    bool notice_rest(const Vector& gyro, Real dt) noexcept {
+        if (dt > static_cast<Real>(params_.gap_s_max)) {
+            start_rest(s_.rest, params_, gyro, Vector{});
+            return false;
+        }
+        judge_rest(s_.rest, params_, dt);
+        return update_rest(s_.rest, params_, gyro, Vector{}, dt);
+    }
     void learn_bias(bool rest, Real dt) noexcept {
         s_.bias_variance =
             std::min(s_.bias_variance + sq(params_.bias_walk) * dt, sq(params_.bias_rad_s));

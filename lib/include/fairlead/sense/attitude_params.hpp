@@ -25,7 +25,7 @@ struct AttitudeParams {
     float scale_error = 0.008f;         // per axis
     float misalignment = 0.002f;        // rad
 
-    // ---- ranges; 0: not known, then flag::clipped of the sample speaks for all its sensors
+    // ---- ranges, of the readings as they come to the filter; 0: not known, flags speak (clip.hpp)
     float gyro_max_rad_s = 0;
     float accel_max_m_s2 = 0;
 

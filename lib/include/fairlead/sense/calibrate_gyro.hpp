@@ -22,6 +22,7 @@ class GyroBiasFit {
     static constexpr float moved_rad_s = 0.03f;  // a larger deviation is motion, not noise
 
     void push(const Vec3& gyro_rad_s, float dt_s) noexcept {
+        if (!is_finite(gyro_rad_s)) return;
         if (moments_.count() > 0) {
             const Vec3 step = gyro_rad_s - before_;
             difference2_ += dot(step, step) / 3;
@@ -34,8 +35,7 @@ class GyroBiasFit {
 
     Result<GyroBias> result() const noexcept {
         if (seconds_ < seconds_min || moments_.count() < 20) return Status::not_enough_data;
-        if (!is_finite(moments_.mean()) || moments_.deviation() > moved_rad_s)
-            return Status::bad_data;
+        if (!(moments_.deviation() <= moved_rad_s)) return Status::bad_data;
         const auto steps = static_cast<float>(moments_.count() - 1);
         GyroBias out;
         out.bias_rad_s = moments_.mean();
@@ -119,6 +119,7 @@ class GyroTurnFit {
 
     Result<GyroScale> result(std::size_t axis, float angle_rad) const noexcept {
         FAIRLEAD_ASSERT(axis < 3);
+        if (!is_finite(turned_)) return Status::bad_data;  // a part of the turn is missing
         const float measured = component(turned_, axis);
         if (approx::abs(measured) < angle_rad_min) return Status::not_enough_data;
         GyroScale out;

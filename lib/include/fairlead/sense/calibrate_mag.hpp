@@ -31,6 +31,7 @@ class MagFit {
     static constexpr float stretch_max = 4.0f;          // longest over shortest half-axis
 
     void push(const Vec3& mag_uT) noexcept {
+        if (!is_finite(mag_uT)) return;
         const double x = scaled(mag_uT.x), y = scaled(mag_uT.y), z = scaled(mag_uT.z);
         const Row row{x * x + y * y - 2 * z * z,
                       x * x + z * z - 2 * y * y,

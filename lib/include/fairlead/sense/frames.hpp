@@ -72,8 +72,7 @@ struct AxisMap {
 
   private:
     static constexpr float pick(Axis a, const Vec3& v) noexcept {
-        const int i = detail::axis_index(a);
-        const float value = i == 0 ? v.x : i == 1 ? v.y : v.z;
+        const float value = component(v, static_cast<std::size_t>(detail::axis_index(a)));
         return detail::axis_sign(a) > 0 ? value : -value;
     }
     static constexpr Vec3 row(Axis a) noexcept {

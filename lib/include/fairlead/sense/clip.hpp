@@ -1,0 +1,40 @@
+#pragma once
+// Readings at the end of a sensor's range: what they say is wrong, and by how much is not known.
+//
+// A driver that knows its counts sets flag::clipped and the sensor's own bit. Where only the ranges
+// are known, mark_clipped() does, on readings as the chip gave them: calibration and mounting move
+// the end of a range. Where only flag::clipped is set, it speaks for every sensor.
+#include <cstdint>
+
+#include "fairlead/base/types.hpp"
+#include "fairlead/math/approx.hpp"
+
+namespace fairlead {
+
+/// Is an axis at the end of the range? max 0: not known, then none is.
+constexpr bool at_range_end(const Vec3& v, float max) noexcept {
+    constexpr float full = 0.99f;  // of the range: the last code may be a little below it
+    const float limit = full * max;
+    return max > 0 &&
+           (approx::abs(v.x) >= limit || approx::abs(v.y) >= limit || approx::abs(v.z) >= limit);
+}
+
+/// The sample with its flags for clipping, by the ranges that are known (not 0).
+constexpr Sample mark_clipped(const Sample& sample, float gyro_max_rad_s,
+                              float accel_max_m_s2) noexcept {
+    Sample out = sample;
+    if (at_range_end(sample.gyro_rad_s, gyro_max_rad_s))
+        out.flags |= flag::clipped | flag::gyro_clipped;
+    if (at_range_end(sample.accel_m_s2, accel_max_m_s2))
+        out.flags |= flag::clipped | flag::accel_clipped;
+    return out;
+}
+
+/// own: flag::gyro_clipped, accel_clipped or mag_clipped.
+constexpr bool is_clipped(const Sample& sample, flag::Bits own) noexcept {
+    constexpr flag::Bits which = flag::gyro_clipped | flag::accel_clipped | flag::mag_clipped;
+    if ((sample.flags & which) != 0) return (sample.flags & own) != 0;
+    return (sample.flags & flag::clipped) != 0;
+}
+
+}  // namespace fairlead
