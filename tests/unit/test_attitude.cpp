@@ -197,8 +197,8 @@ TEST(Attitude, AClippedSensorSpeaksForItselfAlone) {
     EXPECT_EQ(mag.second, 0u);
     const auto gyro = worst_with(flag::clipped | flag::gyro_clipped);
     const auto accel = worst_with(flag::clipped | flag::accel_clipped);
-    EXPECT_GT(gyro.first, 2 * plain.first);
-    EXPECT_GT(accel.first, 2 * plain.first);
+    EXPECT_GT(gyro.first, 1.5f * plain.first);
+    EXPECT_GT(accel.first, 1.5f * plain.first);
     EXPECT_NE(gyro.second, 0u);
     EXPECT_NE(accel.second, 0u);
     const auto any = worst_with(flag::clipped);  // from nobody knows which
