@@ -80,6 +80,8 @@ void for_all_masks(Law&& law) {
     law(sharpening_mask(0.5));
     law(savitzky_golay_mask<11, 3>());
     law(causal_savitzky_golay_mask<12, 2>());
+    law(late_mask<9, 2>(1.4, 1.6));
+    law(late_mask<5, 0>(2, 0.3));
     law(Mask<4, 0>{{0.4, 0.3, 0.2, 0.1}});
     law(Mask<6, 4>{{0.1, -0.2, 0.1, 0.3, 0.5, 0.2}});
     law(Mask<1>{});

@@ -202,6 +202,34 @@ TEST(Events, WaitForCompanyOnlyAsLongAsAllowed) {
     EXPECT_LT(2 * frames[1], frames[0]);
 }
 
+TEST(Events, AFullQueueWaitsForNoCompany) {
+    EventSender<queue> sender;
+    std::array<std::uint8_t, EventSender<queue>::frame_size_max> frame{};
+    for (std::size_t i = 0; i < queue; ++i) {
+        EXPECT_EQ(sender.frame(frame.data(), 100), 0u) << i;
+        ASSERT_TRUE(sender.push({1, 1, 1, 0}));
+    }
+    EXPECT_GT(sender.frame(frame.data(), 100), 0u);
+}
+
+TEST(Events, NonsenseBehindARightChecksumIsRefused) {
+    EventSender<queue> sender;
+    std::vector<std::uint8_t> bytes(EventSender<queue>::frame_size_max + 1);
+    ASSERT_TRUE(sender.push({1, 1, 1, 0}));
+    const std::size_t size = sender.frame(bytes.data(), 0);
+    const auto sealed = [&](std::size_t payload) {
+        auto frame = bytes;
+        frame[1] = static_cast<std::uint8_t>(payload);
+        frame.resize(append_crc16(frame.data(), 2 + payload, wire::event_seed));
+        return hear(frame).events.size();
+    };
+    EXPECT_EQ(sealed(size - 4), 1u);
+    EXPECT_EQ(sealed(size - 3), 0u) << "a byte too many";
+    EXPECT_EQ(sealed(size - 5), 0u) << "a byte too few";
+    bytes[2] ^= 1;
+    EXPECT_EQ(sealed(size - 4), 0u) << "of another version";
+}
+
 TEST(Events, AFullQueueRefusesAndTheReaderKnows) {
     EventSender<queue> sender;
     std::array<std::uint8_t, EventSender<queue>::frame_size_max> frame{};
@@ -419,6 +447,22 @@ TEST(Events, ChannelsThatHaveBeenStillForLongAreToldAgain) {
     EXPECT_EQ(heard.events[2].t_ns, 69999);
 }
 
+TEST(Events, OfTooManyChannelsTheOldestIsNotToldAgain) {
+    EventSender<queue> sender;
+    std::vector<std::uint8_t> frame(EventSender<queue>::frame_size_max);
+    for (std::uint16_t i = 0; i < 25; ++i) {
+        const auto channel = static_cast<std::uint16_t>(i == 24 ? 17 : i);
+        ASSERT_TRUE(sender.push({i, channel, 1, 0}));
+        ASSERT_GT(sender.frame(frame.data(), 0), 0u);
+    }
+    sender.repeat();
+    frame.resize(sender.frame(frame.data(), 0));
+    const Heard heard = hear(frame);
+    ASSERT_EQ(heard.events.size(), queue);
+    const std::int64_t times[] = {16, 18, 19, 20, 21, 22, 23, 24};  // 17's first event is replaced
+    for (std::size_t i = 0; i < queue; ++i) EXPECT_EQ(heard.events[i].t_ns, times[i]);
+}
+
 TEST(Events, LeaveWithoutRecords) {
     const auto pipeline = std::make_unique<Pipeline<Config>>(Pipeline<Config>::Params{});
     std::vector<std::uint8_t> bytes;
@@ -452,6 +496,8 @@ TEST(Events, ASenderThatBeganAgainIsHeard) {
     bytes.insert(bytes.end(), second.bytes.begin(), second.bytes.end());
     const Heard heard = hear(bytes);
     EXPECT_EQ(heard.events.size(), first.events.size() + second.events.size());
+    EXPECT_EQ(heard.counters.lost, 0u);
+    for (const Event& event : heard.events) EXPECT_EQ(event.flags, 0u);
 }
 
 /// A motion of constant velocity passes a symmetric filter unchanged, so that the decoded curve at

@@ -120,14 +120,12 @@ class Decoder {
 
     bool parse_events(std::size_t head, std::size_t n) noexcept {
         BitReader io{buffer_.data() + head, n};
-        turn_ = turns;  // it says nothing of curves
         return events_.parse(io, head + n + 2);
     }
 
     bool parse(std::size_t head, std::size_t n, bool restart) noexcept {
         BitReader io{buffer_.data() + head, n};
         rejoined_ = false;
-        events_.clear();
         if (restart) {
             wire::Header h;
             wire::Link<Position> position;

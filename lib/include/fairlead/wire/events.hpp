@@ -237,13 +237,12 @@ class EventReader {
         event = events_[turn_++];
         return true;
     }
-    void clear() noexcept { size_ = turn_ = 0; }
 
     const Counters& counters() const noexcept { return counters_; }
 
   private:
     bool refuse() noexcept {
-        clear();
+        size_ = 0;
         return false;
     }
 
