@@ -11,6 +11,7 @@ class Icm42688Model final : public SensorModel {
     explicit Icm42688Model(Motion motion, std::uint8_t address = 0x68, std::uint8_t id = 0x47)
         : SensorModel{address, std::move(motion)}, id_{id} {
         reset();
+        start_up_ns = 1000000;
     }
     bool defective{false};  // the self test finds nothing moving
 

@@ -15,6 +15,7 @@ void Lsm6Model::reset() {
     overrun_ = overrun_latched_ = false;
     tick_zero_ns_ = now();
     set_line(false, now());
+    i3c_only_ = false;
 }
 
 double Lsm6Model::period_ns() const {
@@ -179,11 +180,14 @@ void Lsm6Model::set(std::uint8_t reg, std::uint8_t value) {
         return;
     }
     if (reg == 0x12 && (value & 0x81)) {
+        const bool i3c_only = line() && (value & 0x01);
         reset();
+        i3c_only_ = i3c_only;
         reschedule();
         return;
     }
     regs_[reg] = value;
+    if (reg == 0x0D && value == 0) set_line(false, now());
     if (reg == 0x0A && (value & 7) == 0) {
         fifo_.clear();
         overrun_ = overrun_latched_ = false;

@@ -1,9 +1,8 @@
 #pragma once
 // LSM6DSO(X) and LSM6DSV(16X): reset, both sensors, data-ready (pulsed or latched), the FIFO of
 // 7-byte tagged words with 10- or 9-bit count, watermark, latched overrun, time stamps, trim, self
-// test. The pages of the sensor hub and of the
-// embedded functions only remember. Not modelled: I3C, per-sensor rates that differ, power
-// modes.
+// test. Reset while INT1 is asserted, it leaves I2C. The pages of the sensor hub and of the
+// embedded functions only remember. Not modelled: I3C, per-sensor rates that differ, power modes.
 #include "host_sim/models/sensor_model.hpp"
 
 namespace fairlead::sim {
@@ -15,8 +14,9 @@ class Lsm6Model final : public SensorModel {
         : SensorModel{address, std::move(motion)}, kind_{kind} {
         reset();
     }
-    bool defective{false};    // the self test finds nothing moving
-    std::int8_t trim{0};      // what the trim register says; oscillator_ppm is what is true
+    bool defective{false};  // the self test finds nothing moving
+    std::int8_t trim{0};    // what the trim register says; oscillator_ppm is what is true
+    bool present() const override { return !i3c_only_; }
     bool corrupt_tag{false};  // the next word carries a tag that does not exist
 
   private:
@@ -51,6 +51,7 @@ class Lsm6Model final : public SensorModel {
     bool overrun_latched_{false};
     unsigned slot_{0};
     std::int64_t tick_zero_ns_{0};
+    bool i3c_only_{false};
 };
 
 }  // namespace fairlead::sim

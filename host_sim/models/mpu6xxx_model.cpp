@@ -72,9 +72,8 @@ void Mpu6xxxModel::self_test() {
 }
 
 void Mpu6xxxModel::push(int v) {
-    const std::size_t size = second() ? 512 : 1024;
     for (const std::uint8_t byte : {high_byte(v), low_byte(v)}) {
-        if (fifo_.size() == size) {
+        if (fifo_.size() == fifo_size()) {
             fifo_.pop_front();  // the oldest byte goes: what is left is out of step
             status_ |= 0x10;
         }
@@ -102,15 +101,17 @@ std::uint8_t Mpu6xxxModel::get(std::uint8_t reg) {
             fifo_.pop_front();
             return byte;
         }
+        case 0x6B: return resetting() ? regs_[reg] | 0x80 : regs_[reg];
         case 0x75: return id_;
         default: return regs_[reg];
     }
 }
 
 void Mpu6xxxModel::set(std::uint8_t reg, std::uint8_t value) {
-    if (reg == 0x75 || (reg >= 0x3A && reg <= 0x48)) return;
+    if (reg == 0x75 || (reg >= 0x3A && reg <= 0x48) || resetting()) return;
     if (reg == 0x6B && (value & 0x80)) {
         reset();
+        reset_done_ns_ = now() + start_up_ns;
     } else if (reg == 0x6A) {
         if (value & 0x04) fifo_.clear();
         regs_[reg] = value & 0xF8;

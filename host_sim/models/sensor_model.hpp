@@ -36,6 +36,8 @@ class SensorModel {
     // -- the bus
     std::uint8_t address() const { return address_; }
     virtual bool present() const { return true; }
+    /// Does it acknowledge its address now? Not while it starts.
+    bool answers() const { return present() && now_ns_ >= up_ns_; }
     void begin_write() { pointer_set_ = false; }
     void write(std::uint8_t byte);
     std::uint8_t read();
@@ -45,11 +47,14 @@ class SensorModel {
     void advance(std::int64_t now_ns);
     /// When the next sample is due, or INT64_MAX.
     std::int64_t next_ns() const { return running_ ? due_ns() : INT64_MAX; }
-    /// The supply fails for an instant: every register returns to its reset value.
+    /// The supply fails for an instant: every register returns to its reset value, and the chip is
+    /// deaf until it has started.
     void power_cycle() {
         reset();
         reschedule();
+        up_ns_ = now_ns_ + start_up_ns;
     }
+    std::int64_t start_up_ns{10000000};  // from power to registers, by the data sheet
     bool line() const { return line_; }
     std::deque<std::int64_t> edges;  // times of the interrupt line's rising edges, oldest first
     double oscillator_ppm{0};        // the chip's clock is fast by so much
@@ -99,6 +104,7 @@ class SensorModel {
     std::int64_t origin_ns_{0};
     std::int64_t ticks_{0};
     std::int64_t now_ns_{0};
+    std::int64_t up_ns_{INT64_MIN};
 };
 
 /// A physical value as the converter outputs it.

@@ -6,7 +6,7 @@
 //   failed transfer  asked again at once, with the same edge; three in a row restart the sensor
 //   silence          no data where data must be: the settings are compared, then restart
 //   reset, brown-out settings differ: restart
-//   failed restart   again after 5 ms, doubling to 640 ms
+//   failed restart   again after 5 ms, doubling to 40 ms
 //   clock jump       an edge that lies in the future or over a second back is not believed; the
 //                    sample's time then comes from the chip's clock, or from now
 //
@@ -72,7 +72,7 @@ class Sampler {
   private:
     static constexpr std::int64_t ms = 1000000;
     static constexpr std::int64_t start_ns = 100 * ms;  // what a sensor may take to its first edge
-    static constexpr std::int64_t backoff_min_ns = 5 * ms, backoff_max_ns = 640 * ms;
+    static constexpr std::int64_t backoff_min_ns = 5 * ms, backoff_max_ns = 40 * ms;
     static constexpr std::int64_t past_max_ns = 1000 * ms, future_max_ns = 1 * ms;
     static constexpr int errors_max = 3;
     static constexpr int silence_max = 2;

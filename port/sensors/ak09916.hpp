@@ -8,8 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "port/sensors/bus.hpp"
-#include "port/sensors/imu.hpp"
+#include "port/sensors/driver.hpp"
 
 namespace fairlead::port {
 
@@ -26,6 +25,7 @@ constexpr std::int64_t period_ns(Rate r) noexcept {
     return 10000000;
 }
 inline constexpr float uT_per_count = 0.15f;
+inline constexpr Part parts[] = {{0x09, "AK09916"}};
 
 struct Config {
     Rate rate{Rate::hz_100};
@@ -58,18 +58,7 @@ class Ak09916 {
         : chip_{bus, address}, unknown_{unknown} {}
 
     Probe probe() const noexcept {
-        Probe p;
-        p.address = chip_.address();
-        p.reg = ak09916::wia2;
-        p.expected = 0x09;
-        const auto id = chip_.read(p.reg);
-        p.status = id.status();
-        if (!id) return p;
-        p.got = *id;
-        const bool known = p.got == p.expected;
-        if (known) p.part = "AK09916";
-        p.status = known || unknown_ == UnknownId::accept ? Status::ok : Status::unexpected_id;
-        return p;
+        return probe_for(chip_, ak09916::wia2, ak09916::parts, unknown_);
     }
 
     Status start(const Config& config) noexcept {

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "port/sensors/fifo.hpp"
+#include "port/sensors/driver.hpp"
 
 namespace fairlead::port {
 
@@ -71,10 +71,6 @@ struct Config {
     std::uint8_t watermark{0};  // samples per FIFO interrupt, at most 64; 0: data-ready, no FIFO
 };
 
-struct Part {
-    std::uint8_t id;
-    const char* name;
-};
 inline constexpr Part parts[] = {{0x47, "ICM-42688-P"}, {0x42, "ICM-42605"}, {0x6F, "IIM-42652"}};
 
 enum Reg : std::uint8_t {
@@ -114,31 +110,21 @@ constexpr float factory_response(std::uint8_t code) noexcept {
 }  // namespace icm426xx
 
 template <class Bus>
-class Icm426xx {
+class Icm426xx : public ImuDriver<Bus, 15> {
+    using Base = ImuDriver<Bus, 15>;
+    using Base::chip_, Base::unknown_, Base::settings_, Base::scale_, Base::line_;
+    using Base::temperature_c_, Base::settle, Base::settle_for;
+
   public:
     using Config = icm426xx::Config;
     static constexpr std::uint8_t default_address = 0x68;
 
     explicit Icm426xx(Bus& bus, std::uint8_t address = default_address,
                       UnknownId unknown = UnknownId::refuse) noexcept
-        : chip_{bus, address}, unknown_{unknown} {}
+        : Base{bus, address, unknown} {}
 
     Probe probe() const noexcept {
-        Probe p;
-        p.address = chip_.address();
-        p.reg = icm426xx::who_am_i;
-        p.expected = icm426xx::parts[0].id;
-        const auto id = chip_.read(p.reg);
-        p.status = id.status();
-        if (!id) return p;
-        p.got = *id;
-        p.status = unknown_ == UnknownId::accept ? Status::ok : Status::unexpected_id;
-        for (const auto& part : icm426xx::parts)
-            if (part.id == p.got) {
-                p.status = Status::ok;
-                p.part = part.name;
-            }
-        return p;
+        return probe_for(chip_, icm426xx::who_am_i, icm426xx::parts, unknown_);
     }
 
     /// Reset, identity, settings, each read back; then sensors on. Valid data follow after 60 ms,
@@ -174,12 +160,9 @@ class Icm426xx {
         chip_.bus().pause_us(200);  // no write so soon after power-on
         scale_ = {rad_s_per_count(config.gyro), m_s2_per_count(config.accel)};
         line_.configure(1000000, icm426xx::period_ns(config.rate), 16);
-        settling_ = static_cast<std::uint32_t>(60000000 / line_.period_ns());
+        settle_for(60000000);
         return chip_.write(signal_path_reset, 0x02);  // begin with an empty FIFO
     }
-
-    /// Do the settings still stand? bad_data after a reset or a brown-out. At most 15 transactions.
-    Status check() const noexcept { return settings_.check(chip_); }
 
     /// Reading clears the bit.
     Result<bool> data_ready() const noexcept {
@@ -269,14 +252,10 @@ class Icm426xx {
         return reset();
     }
 
-    float temperature_c() const noexcept { return temperature_c_; }
-    std::int64_t period_ns() const noexcept { return line_.period_ns(); }
     std::size_t watermark() const noexcept { return config_.watermark; }
     std::size_t samples_per_edge() const noexcept {
         return config_.watermark > 0 ? config_.watermark : 1;
     }
-    const Timeline& timeline() const noexcept { return line_; }
-    const ImuScale& scale() const noexcept { return scale_; }
 
   private:
     std::uint8_t sensor_code(std::uint8_t range) const noexcept {
@@ -305,22 +284,8 @@ class Icm426xx {
         return s != Status::ok ? s : back;
     }
 
-    /// Mean counts over 200 samples at 1 kHz, after the sensors have settled.
     Status average(std::array<float, 6>& mean) const noexcept {
-        chip_.bus().pause_us(100000);
-        std::array<std::int32_t, 6> sum{};
-        for (int n = 0; n < 200; ++n) {
-            std::uint8_t b[12] = {};
-            const Status s = chip_.read(icm426xx::temp_data1 + 2, b, sizeof b);
-            if (s != Status::ok) return s;
-            for (std::size_t i = 0; i < 3; ++i) {
-                sum[i] += big_endian(b + 6 + 2 * i);
-                sum[3 + i] += big_endian(b + 2 * i);
-            }
-            chip_.bus().pause_us(1000);
-        }
-        for (std::size_t i = 0; i < 6; ++i) mean[i] = static_cast<float>(sum[i]) / 200.0f;
-        return Status::ok;
+        return Base::template average<14>(icm426xx::temp_data1, 8, 2, 100000, mean);
     }
 
     /// -32768 in all three axes: the chip says that it has no data yet.
@@ -332,20 +297,11 @@ class Icm426xx {
         if (none(raw.accel)) sample.flags &= ~(flag::accel_valid | flag::accel_clipped);
         if ((sample.flags & (flag::gyro_clipped | flag::accel_clipped)) == 0)
             sample.flags &= ~flag::clipped;
-        if (settling_ == 0) return;
-        --settling_;
-        sample.flags |= flag::settling;
+        sample.flags |= settle();
     }
 
-    Registers<Bus> chip_;
-    UnknownId unknown_;
     Config config_{};
-    Settings<15> settings_{};
-    ImuScale scale_{};
-    Timeline line_{};
-    std::uint32_t settling_{0};
     std::int64_t last_fifo_ns_{0};
-    float temperature_c_{0};
 };
 
 }  // namespace fairlead::port

@@ -7,8 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "port/sensors/bus.hpp"
-#include "port/sensors/imu.hpp"
+#include "port/sensors/driver.hpp"
 
 namespace fairlead::port {
 
@@ -44,6 +43,8 @@ constexpr float uT_per_count(Range r) noexcept {
     return 100.0f / counts_per_gauss[static_cast<int>(r)];
 }
 
+inline constexpr Part parts[] = {{0x3D, "LIS3MDL"}};
+
 struct Config {
     Rate rate{Rate::hz_155};
     Range range{Range::gauss_4};
@@ -73,18 +74,7 @@ class Lis3mdl {
         : chip_{bus, address}, unknown_{unknown} {}
 
     Probe probe() const noexcept {
-        Probe p;
-        p.address = chip_.address();
-        p.reg = lis3mdl::who_am_i;
-        p.expected = 0x3D;
-        const auto id = chip_.read(p.reg);
-        p.status = id.status();
-        if (!id) return p;
-        p.got = *id;
-        const bool known = p.got == p.expected;
-        if (known) p.part = "LIS3MDL";
-        p.status = known || unknown_ == UnknownId::accept ? Status::ok : Status::unexpected_id;
-        return p;
+        return probe_for(chip_, lis3mdl::who_am_i, lis3mdl::parts, unknown_);
     }
 
     Status start(const Config& config) noexcept {

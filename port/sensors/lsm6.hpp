@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "port/sensors/fifo.hpp"
+#include "port/sensors/driver.hpp"
 
 namespace fairlead::port {
 
@@ -30,11 +30,6 @@ enum Reg : std::uint8_t {  // common to both families
     status = 0x1E,
     out_temp = 0x20,
     fifo_data = 0x78,
-};
-
-struct Part {
-    std::uint8_t id;
-    const char* name;
 };
 
 /// True values: 6667 Hz / 2^n, although the data sheet prints 12.5, 26, 52 ...
@@ -136,7 +131,11 @@ struct Dsv {
 }  // namespace lsm6
 
 template <class Bus, class Family>
-class Lsm6 {
+class Lsm6 : public ImuDriver<Bus, 12> {
+    using Base = ImuDriver<Bus, 12>;
+    using Base::chip_, Base::unknown_, Base::settings_, Base::scale_, Base::line_;
+    using Base::temperature_c_, Base::settle, Base::settle_for;
+
   public:
     using Rate = typename Family::Rate;
     using GyroRange = typename Family::GyroRange;
@@ -153,7 +152,7 @@ class Lsm6 {
 
     explicit Lsm6(Bus& bus, std::uint8_t address = default_address,
                   UnknownId unknown = UnknownId::refuse) noexcept
-        : chip_{bus, address}, unknown_{unknown} {}
+        : Base{bus, address, unknown} {}
 
     /// 4.375 mdeg/s at 125 deg/s, in proportion above.
     static constexpr float rad_s_per_count(GyroRange r) noexcept {
@@ -165,21 +164,7 @@ class Lsm6 {
     }
 
     Probe probe() const noexcept {
-        Probe p;
-        p.address = chip_.address();
-        p.reg = lsm6::who_am_i;
-        p.expected = Family::parts[0].id;
-        const auto id = chip_.read(p.reg);
-        p.status = id.status();
-        if (!id) return p;
-        p.got = *id;
-        p.status = unknown_ == UnknownId::accept ? Status::ok : Status::unexpected_id;
-        for (const auto& part : Family::parts)
-            if (part.id == p.got) {
-                p.status = Status::ok;
-                p.part = part.name;
-            }
-        return p;
+        return probe_for(chip_, lsm6::who_am_i, Family::parts, unknown_);
     }
 
     /// Reset, identity, settings, each read back. Until the gyroscope has started, 70 ms, samples
@@ -206,13 +191,10 @@ class Lsm6 {
         const std::int64_t ppm = static_cast<std::int8_t>(*trim) * Family::freq_step_ppm;
         line_.configure(Family::tick_ps * 1000000 / (1000000 + ppm),
                         Family::period_ns(config.rate) * 1000000 / (1000000 + ppm), 32);
-        settling_ = static_cast<std::uint32_t>(70000000 / line_.period_ns());
+        settle_for(70000000);
         have_ = 0;
         return Status::ok;
     }
-
-    /// Do the settings still stand? bad_data after a reset or a brown-out. At most 11 transactions.
-    Status check() const noexcept { return settings_.check(chip_); }
 
     Result<bool> data_ready() const noexcept {
         const auto status = chip_.read(lsm6::status);
@@ -282,20 +264,19 @@ class Lsm6 {
         return reset();
     }
 
-    float temperature_c() const noexcept { return temperature_c_; }
-    std::int64_t period_ns() const noexcept { return line_.period_ns(); }
     std::size_t watermark() const noexcept { return config_.watermark; }
     std::size_t samples_per_edge() const noexcept {
         return config_.watermark > 0 ? config_.watermark : 1;
     }
-    const Timeline& timeline() const noexcept { return line_; }
-    const ImuScale& scale() const noexcept { return scale_; }
 
   private:
     enum Have : std::uint8_t { have_gyro = 1, have_accel = 2, have_time = 4, have_all = 7 };
 
+    /// INT1 is let go before: asserted during a reset, it makes the chip speak I3C only.
     Status reset() noexcept {
         if (const Probe p = probe(); p.status != Status::ok) return p.status;
+        if (const Status s = chip_.write(lsm6::int1_ctrl, 0x00); s != Status::ok) return s;
+        if (const Status s = chip_.write(lsm6::fifo_ctrl4, 0x00); s != Status::ok) return s;
         if (const Status s = chip_.write(lsm6::ctrl3, 0x01); s != Status::ok) return s;
         return chip_.await(lsm6::ctrl3, 0x01, 0x00, 50, 200);
     }
@@ -328,12 +309,6 @@ class Lsm6 {
         return true;
     }
 
-    std::uint32_t settle() noexcept {
-        if (settling_ == 0) return 0;
-        --settling_;
-        return flag::settling;
-    }
-
     /// Mean of 5 samples after 100 ms, as the application note asks; rad/s and m/s^2.
     Status average(std::array<float, 6>& mean) noexcept {
         chip_.bus().pause_us(100000);
@@ -350,17 +325,10 @@ class Lsm6 {
         return Status::ok;
     }
 
-    Registers<Bus> chip_;
-    UnknownId unknown_;
     Config config_{};
-    Settings<12> settings_{};
-    ImuScale scale_{};
-    Timeline line_{};
     RawImu raw_{};
     std::uint8_t slot_{0};
     std::uint8_t have_{0};
-    std::uint32_t settling_{0};
-    float temperature_c_{0};
 };
 
 template <class Bus>

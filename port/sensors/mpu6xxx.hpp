@@ -5,13 +5,13 @@
 // marks: INT signals every sample, the sample count is the clock, and an overflow shifts the bytes
 // against each other, so that the driver then empties it and says so (overrun, then gap_before).
 // The magnetometer of the 9250 family stands behind a bypass: Config::bypass connects it to the
-// bus. Source: RM-MPU-6000A, RM-MPU-9250A, and the self-test notes of both. start(): at most 25
-// transactions and 201 ms of pauses, the data sheet's own: after a brown-out the stream of these
-// parts is back after that time.
+// bus. Source: RM-MPU-6000A, RM-MPU-9250A, and the self-test notes of both. start(): at most 125
+// transactions and 105 ms of pauses; of a chip that resets in the typical 11 ms, 36 and 16 ms. After
+// a brown-out, told by two registers, no reset is added to the chip's own.
 #include <cstddef>
 #include <cstdint>
 
-#include "port/sensors/fifo.hpp"
+#include "port/sensors/driver.hpp"
 
 namespace fairlead::port {
 
@@ -48,12 +48,13 @@ struct Config {
 struct Part {
     std::uint8_t id;
     const char* name;
-    bool second_generation;  // 6500 and later: own accelerometer filter, smaller FIFO, other self
-                             // test
+    bool second_generation;  // 6500 and later: own accelerometer filter, other self test and
+                             // thermometer
+    std::uint16_t fifo_size;
 };
-inline constexpr Part parts[] = {{0x68, "MPU-6050", false}, {0x70, "MPU-6500", true},
-                                 {0x71, "MPU-9250", true},  {0x73, "MPU-9255", true},
-                                 {0x74, "MPU-6515", true},  {0x78, "MPU-6880", false}};
+inline constexpr Part parts[] = {{0x68, "MPU-6050", false, 1024}, {0x70, "MPU-6500", true, 512},
+                                 {0x71, "MPU-9250", true, 512},   {0x73, "MPU-9255", true, 512},
+                                 {0x74, "MPU-6515", true, 512},   {0x78, "MPU-6880", true, 4096}};
 
 enum Reg : std::uint8_t {
     gyro_st_6500 = 0x00,
@@ -69,7 +70,6 @@ enum Reg : std::uint8_t {
     int_enable = 0x38,
     int_status = 0x3A,
     accel_out = 0x3B,
-    signal_path_reset = 0x68,
     user_ctrl = 0x6A,
     pwr_mgmt1 = 0x6B,
     pwr_mgmt2 = 0x6C,
@@ -97,32 +97,28 @@ constexpr float trim_6500(int code) noexcept {
 }  // namespace mpu6xxx
 
 template <class Bus>
-class Mpu6xxx {
+class Mpu6xxx : public ImuDriver<Bus, 12> {
+    using Base = ImuDriver<Bus, 12>;
+    using Base::chip_, Base::unknown_, Base::settings_, Base::scale_, Base::line_;
+    using Base::temperature_c_, Base::settle, Base::settle_for;
+
   public:
     using Config = mpu6xxx::Config;
     static constexpr std::uint8_t default_address = 0x68;
 
     explicit Mpu6xxx(Bus& bus, std::uint8_t address = default_address,
                      UnknownId unknown = UnknownId::refuse) noexcept
-        : chip_{bus, address}, unknown_{unknown} {}
+        : Base{bus, address, unknown} {}
 
     /// Also learns which part it is; an unknown one that is accepted counts as second generation.
     Probe probe() noexcept {
-        Probe p;
-        p.address = chip_.address();
-        p.reg = mpu6xxx::who_am_i;
-        p.expected = mpu6xxx::parts[0].id;
-        const auto id = chip_.read(p.reg);
-        p.status = id.status();
-        if (!id) return p;
-        p.got = *id;
-        p.status = unknown_ == UnknownId::accept ? Status::ok : Status::unexpected_id;
+        const Probe p = probe_for(chip_, mpu6xxx::who_am_i, mpu6xxx::parts, unknown_);
         second_generation_ = true;
+        fifo_size_ = 512;
         for (const auto& part : mpu6xxx::parts)
             if (part.id == p.got) {
-                p.status = Status::ok;
-                p.part = part.name;
                 second_generation_ = part.second_generation;
+                fifo_size_ = part.fifo_size;
             }
         return p;
     }
@@ -135,7 +131,7 @@ class Mpu6xxx {
         config_ = wanted;
         if (const Status s = reset(); s != Status::ok) return s;
         if (const Status s = chip_.set(pwr_mgmt1, 0x01); s != Status::ok) return s;
-        chip_.bus().pause_us(1000);
+        chip_.bus().pause_us(5000);  // out of sleep
         const bool fifo = wanted.watermark > 0;
         const auto filter = static_cast<std::uint8_t>(wanted.filter);
         settings_.clear();
@@ -154,12 +150,10 @@ class Mpu6xxx {
         scale_ = {rad_s_per_count(wanted.gyro), m_s2_per_count(wanted.accel)};
         const std::int64_t period = wanted.rate.period_ns();
         line_.configure(period * 1000, period, 32);
-        settling_ = static_cast<std::uint32_t>(35000000 / period);
+        settle_for(35000000);
+        started_ = true;
         return fifo ? empty() : Status::ok;
     }
-
-    /// Do the settings still stand? bad_data after a reset or a brown-out. At most 11 transactions.
-    Status check() const noexcept { return settings_.check(chip_); }
 
     /// Reading clears the bit.
     Result<bool> data_ready() const noexcept {
@@ -187,8 +181,7 @@ class Mpu6xxx {
         Status s = chip_.bus().transfer(both, 2);
         if (s != Status::ok) return s;
         const auto bytes = static_cast<std::uint16_t>(big_endian(size));
-        const unsigned fifo_size = second_generation_ ? 512 : 1024;
-        if ((status & 0x10) != 0 || bytes > fifo_size - 14) {  // the next sample shifts the bytes
+        if ((status & 0x10) != 0 || bytes > fifo_size_ - 14) {  // the next sample shifts the bytes
             batch.state = FifoState::overrun;
             return empty();
         }
@@ -250,26 +243,35 @@ class Mpu6xxx {
         return reset();
     }
 
-    float temperature_c() const noexcept { return temperature_c_; }
-    std::int64_t period_ns() const noexcept { return line_.period_ns(); }
     std::size_t watermark() const noexcept { return config_.watermark; }
     std::size_t samples_per_edge() const noexcept { return 1; }
-    const Timeline& timeline() const noexcept { return line_; }
-    const ImuScale& scale() const noexcept { return scale_; }
 
   private:
     static std::uint8_t range_code(std::uint8_t code) noexcept {
         return static_cast<std::uint8_t>(code << 3);
     }
 
+    /// The bit clears itself when the reset is done; until then the chip need not acknowledge. The
+    /// pauses of 100 ms in the register map are those of the SPI interface.
     Status reset() noexcept {
         using namespace mpu6xxx;
         if (const Probe p = probe(); p.status != Status::ok) return p.status;
-        if (const Status s = chip_.write(pwr_mgmt1, 0x80); s != Status::ok) return s;
-        chip_.bus().pause_us(100000);
-        if (const Status s = chip_.write(signal_path_reset, 0x07); s != Status::ok) return s;
-        chip_.bus().pause_us(100000);
-        return Status::ok;
+        if (started_ && has_reset_itself()) return Status::ok;
+        started_ = false;
+        Status s = chip_.write(pwr_mgmt1, 0x80);
+        if (s != Status::ok) return s;
+        s = Status::timeout;
+        for (int i = 0; i < reset_looks && s != Status::ok; ++i) {
+            chip_.bus().pause_us(reset_look_us);
+            s = chip_.expect(pwr_mgmt1, 0x00, 0x80);
+        }
+        return s;
+    }
+
+    /// start() sets both registers to something else than their reset values, always.
+    bool has_reset_itself() const noexcept {
+        return chip_.expect(mpu6xxx::config, 0x00) == Status::ok &&
+               chip_.expect(mpu6xxx::int_enable, 0x00) == Status::ok;
     }
 
     /// Empties the FIFO; the line begins anew, since the count is its clock.
@@ -286,12 +288,6 @@ class Mpu6xxx {
         const auto t = static_cast<float>(raw.temperature);
         temperature_c_ = second_generation_ ? (t + 7011.0f) * 2.995178e-3f : t / 340.0f + 36.53f;
         return raw;
-    }
-
-    std::uint32_t settle() noexcept {
-        if (settling_ == 0) return 0;
-        --settling_;
-        return flag::settling;
     }
 
     Status self_test_bits(const Config& c, std::uint8_t bits) const noexcept {
@@ -324,34 +320,18 @@ class Mpu6xxx {
         return Status::ok;
     }
 
-    /// Mean counts over 200 samples at 1 kHz.
     Status average(std::array<float, 6>& mean) const noexcept {
-        chip_.bus().pause_us(50000);
-        std::array<std::int32_t, 6> sum{};
-        for (int n = 0; n < 200; ++n) {
-            std::uint8_t b[14] = {};
-            const Status s = chip_.read(mpu6xxx::accel_out, b, sizeof b);
-            if (s != Status::ok) return s;
-            for (std::size_t i = 0; i < 3; ++i) {
-                sum[i] += big_endian(b + 8 + 2 * i);
-                sum[3 + i] += big_endian(b + 2 * i);
-            }
-            chip_.bus().pause_us(1000);
-        }
-        for (std::size_t i = 0; i < 6; ++i) mean[i] = static_cast<float>(sum[i]) / 200.0f;
-        return Status::ok;
+        return Base::template average<14>(mpu6xxx::accel_out, 8, 0, 50000, mean);
     }
 
-    Registers<Bus> chip_;
-    UnknownId unknown_;
+    static constexpr int reset_looks = 100;  // 100 ms: the longest start-up in the data sheets
+    static constexpr std::uint32_t reset_look_us = 1000;
+
+    bool started_{false};  // all settings stood
     bool second_generation_{true};
+    std::uint16_t fifo_size_{512};
     Config config_{};
-    Settings<12> settings_{};
-    ImuScale scale_{};
-    Timeline line_{};
     std::uint32_t next_tick_{0};
-    std::uint32_t settling_{0};
-    float temperature_c_{0};
 };
 
 }  // namespace fairlead::port

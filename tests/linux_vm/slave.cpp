@@ -133,7 +133,7 @@ class Slave {
     }
     Chip* find(unsigned address) {
         for (Chip& c : chips_)
-            if (c.model->address() == address && c.model->present()) return &c;
+            if (c.model->address() == address && c.model->answers()) return &c;
         return nullptr;
     }
     void answer() {

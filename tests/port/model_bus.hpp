@@ -14,8 +14,9 @@ class ModelBus {
     std::vector<sim::SensorModel*> chips;
     std::int64_t now_ns{1000000000};
     int transfers{0};
-    int fail_at{-1};    // this transfer fails, counted from 0; negative: none
-    bool stuck{false};  // every transfer times out
+    int fail_at{-1};          // this transfer fails, counted from 0; negative: none
+    bool stuck{false};        // every transfer times out
+    bool fail_always{false};  // every transfer fails
     Status failure{Status::no_acknowledge};
     std::size_t longest_read{8192};
     std::int64_t paused_us{0};
@@ -28,7 +29,10 @@ class ModelBus {
         }
         for (std::size_t i = 0; i < count; ++i) {
             const Transfer& t = list[i];
-            if (index == fail_at) return failure;
+            if (index == fail_at || fail_always) {
+                pass(byte_ns);
+                return failure;
+            }
             sim::SensorModel* chip = find(t.address);
             if (chip == nullptr) return Status::no_acknowledge;
             if (t.in_size > longest_read) return Status::bad_argument;
@@ -58,7 +62,7 @@ class ModelBus {
 
     sim::SensorModel* find(std::uint8_t address) const noexcept {
         for (auto* chip : chips)
-            if (chip->address() == address && chip->present()) return chip;
+            if (chip->address() == address && chip->answers()) return chip;
         return nullptr;
     }
 };
