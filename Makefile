@@ -102,9 +102,14 @@ $(BUILD)/tests/gpio2: $(GPIO_TESTS) tests/port/gpio/fake_v2.cpp port/linux/gpio.
 	$(CXX) $(HOST) -Itests/port/gpio/v2 $(filter %.cpp,$^) -lgtest -lgtest_main -o $@
 
 # the port against a real kernel: a Debian machine under QEMU, its programs linked statically
-VM_PROGRAMS  := $(addprefix $(BUILD)/linux_vm/bin/,slave stream stub iio edges verify)
+VM_PROGRAMS  := $(addprefix $(BUILD)/linux_vm/bin/,slave stream stub iio edges verify record)
+VM_PARTS     := $(call objects,$(wildcard host_sim/models/*.cpp host_sim/stream*.cpp) host_sim/writers.cpp \
+                  $(addprefix port/linux/,gpio.cpp i2c.cpp i2c_smbus.cpp))
 VM_RECORDING := $(or $(firstword $(wildcard ../shared/recordings/08*.imu ../shared/recordings/*.imu)),-)
-$(VM_PROGRAMS): $(BUILD)/linux_vm/bin/%: $(BUILD)/obj/tests/linux_vm/%.o $(BUILD)/libport.a $(BUILD)/libsim.a
+$(BUILD)/linux_vm/bin/record: $(call objects,examples/record/record.cpp examples/record/writer.cpp) $(VM_PARTS)
+	@mkdir -p $(@D)
+	$(CXX) $(HOST) -static $^ -lgpiod -lz -o $@
+$(BUILD)/linux_vm/bin/%: $(BUILD)/obj/tests/linux_vm/%.o $(VM_PARTS)
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) -static $^ -lgpiod -lz -o $@
 .PHONY: linux-vm-test
@@ -124,7 +129,7 @@ port-device: setup-target ## the sensor drivers for a Cortex-M4F: no heap, no ex
 	@echo "ok port-device: no heap, no exceptions" && arm-none-eabi-size $(BUILD)/device/drivers.o
 
 # ---- the gateway: Modbus, sources, configuration, and the reader for the other side
-GATEWAY_LIBS    := -lmodbus -lsystemd
+GATEWAY_LIBS    := -lmodbus -lsystemd -lgpiod
 GATEWAY_MAINS   := $(wildcard examples/gateway/*_main.cpp)
 GATEWAY_SOURCES := $(filter-out $(GATEWAY_MAINS),$(sort $(wildcard examples/gateway/*.cpp)))
 $(BUILD)/libgateway.a: $(call objects,$(GATEWAY_SOURCES))

@@ -16,6 +16,8 @@ namespace {
 
 using Errors = std::vector<std::string>;
 
+constexpr std::size_t buttons_max = 16;
+
 /// One table of the file: gives typed values within bounds, and names what nobody asked for.
 class Section {
   public:
@@ -94,6 +96,9 @@ class Section {
                           what);
     }
     const toml::source_region& source() const { return table_.source(); }
+    Section inner(const toml::table& table, const std::string& name) const {
+        return {table, name_ + name, path_, errors_};
+    }
 
     /// Call last: a misspelt key must not be silently ignored.
     void finish() {
@@ -166,6 +171,54 @@ void read_rtu(Section& section, Config& config) {
     config.rtu = rtu;
 }
 
+template <std::size_t N>
+void read_name(Section& section, const char* key, const std::array<const char*, N>& names,
+               std::string& out) {
+    section.text(key, out);
+    if (out.empty() || std::find(names.begin(), names.end(), out) != names.end()) return;
+    std::string expected = "must be one of";
+    for (const char* name : names) expected += std::string{" "} + name;
+    section.fail(section.find(key)->source(), key, expected);
+}
+
+void read_buttons(Section& unit_section, UnitConfig& unit) {
+    const toml::node* node = unit_section.find("buttons");
+    if (node == nullptr) return;
+    const toml::array* items = node->as_array();
+    if (items == nullptr || items->size() > buttons_max) {
+        return unit_section.fail(node->source(), "buttons",
+                                 "must be a list of at most " + std::to_string(buttons_max));
+    }
+    for (const toml::node& item : *items) {
+        if (!item.is_table()) {
+            unit_section.fail(item.source(), "buttons", "must hold tables like { line = 22 }");
+            continue;
+        }
+        Section section = unit_section.inner(*item.as_table(), "buttons.");
+        ButtonConfig button;
+        button.channel = static_cast<int>(unit.buttons.size());
+        section.require("line");
+        section.integer("line", button.line, 0, 1023);
+        section.integer("channel", button.channel, 0, 65535);
+        section.truth("active_low", button.active_low);
+        section.real("debounce_s", button.debounce_s, 0, 1);
+        section.finish();
+        unit.buttons.push_back(button);
+    }
+}
+
+void read_sensor(Section& section, UnitConfig& unit) {
+    section.require("line");
+    read_name(section, "sensor", port::imu_names, unit.imu.sensor);
+    read_name(section, "mag", port::mag_names, unit.imu.mag);
+    section.integer("bus", unit.bus, 0, 1023);
+    section.integer("address", unit.imu.address, 0x08, 0x77);
+    section.text("chip", unit.chip);
+    section.integer("line", unit.line_number, 0, 1023);
+    section.integer("watermark", unit.imu.watermark, 0, 32);
+    read_buttons(section, unit);
+}
+
 void read_unit(Section& section, Config& config, const std::filesystem::path& folder) {
     UnitConfig unit;
     section.require("id");
@@ -187,10 +240,14 @@ void read_unit(Section& section, Config& config, const std::filesystem::path& fo
         section.require("device");
         section.text("device", unit.device);
         read_line(section, unit.line);
+    } else if (source == "sensor") {
+        unit.source = SourceKind::sensor;
+        read_sensor(section, unit);
     } else if (!source.empty()) {
-        section.fail(section.find("source")->source(), "source", "must be replay or serial");
+        section.fail(section.find("source")->source(), "source",
+                     "must be replay, serial or sensor");
     }
-    if (source == "replay") {
+    if (source == "replay" || source == "sensor") {
         section.real("tolerance_m", unit.tolerance_m, 1e-6, 10);
         section.real("tolerance_deg", unit.tolerance_deg, 1e-3, 45);
     }
@@ -246,7 +303,17 @@ bool operator==(const UnitConfig& a, const UnitConfig& b) {
                         u.line.baud, u.line.parity, u.line.stop_bits, u.tolerance_m,
                         u.tolerance_deg);
     };
-    return key(a) == key(b);
+    const auto sensor = [](const UnitConfig& u) {
+        return std::tie(u.imu.sensor, u.imu.mag, u.imu.address, u.imu.watermark, u.bus, u.chip,
+                        u.line_number);
+    };
+    const auto same_button = [](const ButtonConfig& x, const ButtonConfig& y) {
+        return std::tie(x.line, x.channel, x.active_low, x.debounce_s) ==
+               std::tie(y.line, y.channel, y.active_low, y.debounce_s);
+    };
+    return key(a) == key(b) && sensor(a) == sensor(b) &&
+           std::equal(a.buttons.begin(), a.buttons.end(), b.buttons.begin(), b.buttons.end(),
+                      same_button);
 }
 
 bool same_server(const Config& a, const Config& b) {
@@ -306,6 +373,13 @@ void check_config(const Config& config, const std::string& where, Errors& errors
         }
         if (unit.source == SourceKind::serial && !devices.insert(unit.device).second) {
             add("two users of the line " + unit.device);
+        }
+        if (unit.source != SourceKind::sensor) continue;
+        std::vector<unsigned> lines{unit.line_number};
+        for (const ButtonConfig& button : unit.buttons) lines.push_back(button.line);
+        for (const unsigned line : lines) {
+            const std::string name = unit.chip + " line " + std::to_string(line);
+            if (!devices.insert(name).second) add("two users of " + name);
         }
     }
     for (const port::Endpoint& endpoint : config.listen) {

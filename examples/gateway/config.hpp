@@ -9,6 +9,7 @@
 
 #include "examples/gateway/feed.hpp"
 #include "examples/gateway/log.hpp"
+#include "port/linux/imu_loop.hpp"
 #include "port/linux/modbus_tcp.hpp"
 #include "port/linux/serial.hpp"
 
@@ -18,6 +19,14 @@ struct RtuConfig {
     std::string device;
     port::SerialConfig line{19200, port::Parity::even, 1};
     bool rs485{};
+};
+
+/// A contact on a GPIO line as a discrete channel.
+struct ButtonConfig {
+    unsigned line{};
+    int channel{};
+    bool active_low{};
+    double debounce_s{0.02};
 };
 
 struct UnitConfig {
@@ -33,7 +42,13 @@ struct UnitConfig {
     std::string device;  // serial line
     port::SerialConfig line{};
 
-    // replay: what the reducer keeps
+    port::ImuSetup imu;  // sensor on this machine
+    int bus{1};
+    std::string chip{"/dev/gpiochip0"};
+    unsigned line_number{};  // of the data-ready line
+    std::vector<ButtonConfig> buttons;
+
+    // replay, sensor: what the reducer keeps
     double tolerance_m{0.001};
     double tolerance_deg{0.25};
 };

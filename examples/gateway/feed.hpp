@@ -42,6 +42,11 @@ struct UnitState {
     std::uint32_t publish_max_us{};
     std::uint32_t deadline_misses{};
     std::uint32_t spans_dropped{};
+    struct Sensor {
+        std::uint32_t lost{}, missed_edges{}, bus_errors{}, overruns{}, resets{}, clock_jumps{};
+    } sensor;  // on this machine
+    std::uint32_t events_dropped{};
+    std::uint32_t events_lost{};  // those among them
 };
 
 enum class SpanKind : std::uint8_t {

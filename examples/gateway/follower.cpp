@@ -79,6 +79,7 @@ bool CurveFollower::take(const std::uint8_t* bytes, std::size_t size) noexcept {
     state_.frames_damaged = decoder_.counters().damaged;
     state_.frames_lost = decoder_.counters().lost_frames;
     state_.bytes_skipped = decoder_.counters().skipped_bytes;
+    state_.events_lost = decoder_.event_counters().lost + state_.events_dropped;
     return decoder_.counters().frames != frames;
 }
 
@@ -88,6 +89,11 @@ void CurveFollower::follow() noexcept {
         while (decoder_.next(update)) apply(update);
         send_newest(orientation_);
         send_newest(position_);
+        Event event;
+        while (decoder_.next_event(event)) {
+            const EventItem item{event.t_ns, event.channel, event.value};
+            if (!feed_.events.push(item)) ++state_.events_dropped;
+        }
     } while (decoder_.more());
 }
 

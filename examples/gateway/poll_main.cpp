@@ -37,6 +37,7 @@ struct Options {
     double every_s{1};
     double seconds{};
     double rate_hz{100};
+    std::string events;
     std::string like;
     double tolerance_m{};
     double tolerance_deg{};
@@ -180,6 +181,17 @@ class Trajectory {
     double worst_deg_{};
 };
 
+/// One line per event. @return false when the file cannot be written.
+bool write_events(const std::string& path, const std::vector<EventItem>& events) {
+    if (path.empty()) return true;
+    std::FILE* const file = std::fopen(path.c_str(), "w");
+    if (file == nullptr) return false;
+    std::fputs("t_ns,channel,value\n", file);
+    for (const EventItem& e : events)
+        std::fprintf(file, "%" PRId64 ",%d,%d\n", e.t_ns, int{e.channel}, int{e.value});
+    return std::fclose(file) == 0;
+}
+
 int run(const Options& options, const std::vector<Pose>& like) {
     Link link{options};
     CurveReader reader{[&](std::uint16_t address, std::uint16_t count, std::uint16_t* out) {
@@ -220,6 +232,7 @@ int run(const Options& options, const std::vector<Pose>& like) {
         next_ns += every_ns;
         port::sleep_until(next_ns);
     }
+    if (!write_events(options.events, reader.events())) return EX_CANTCREAT;
     const auto& c = reader.counters();
     std::printf("runs %d, rows %zu, spans %" PRIu64 ", lost spans %" PRIu64 ", requests %" PRIu64
                 ", registers %" PRIu64 "\n",
@@ -243,6 +256,7 @@ int main(int argc, char** argv) {
     app.add_option("-p,--port", options.port, "TCP port")->check(CLI::Range(1, 65535));
     app.add_option("-u,--unit", options.unit, "unit identifier")->check(CLI::Range(1, 247));
     app.add_option("-o,--out", options.out, "trajectory (TUM) to write");
+    app.add_option("--events", options.events, "events of the last run (CSV) to write");
     app.add_option("--every", options.every_s, "seconds from poll to poll")
         ->check(CLI::Range(0.01, 3600.0));
     app.add_option("--seconds", options.seconds, "stop after so long; 0: when a replay has ended");

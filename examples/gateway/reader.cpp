@@ -38,6 +38,8 @@ PollResult CurveReader::identify() {
 
 void CurveReader::begin_run() {
     channels_ = {};
+    events_.clear();
+    next_event_ = 0;
     epoch_ = 0;
 }
 
@@ -63,7 +65,39 @@ PollResult CurveReader::poll() {
     const PollResult orientation = poll_channel(
         CurveChannel::orientation, static_cast<std::uint32_t>(field("orientation.next")));
     if (orientation != PollResult::ok) return orientation;
-    return poll_channel(CurveChannel::position, static_cast<std::uint32_t>(field("position.next")));
+    const PollResult position =
+        poll_channel(CurveChannel::position, static_cast<std::uint32_t>(field("position.next")));
+    if (position != PollResult::ok) return position;
+    return poll_events(static_cast<std::uint32_t>(field("events.next")));
+}
+
+PollResult CurveReader::poll_events(std::uint32_t next) {
+    while (next_event_ < next) {
+        const std::uint32_t first = next_event_ - next_event_ % reg::events_per_page;
+        std::array<std::uint16_t, reg::page_size> page{};
+        const std::uint16_t address =
+            reg::page_address(reg::events_begin, first, reg::events_per_page, reg::event_pages);
+        if (!ask(address, reg::page_size, page.data())) return PollResult::no_answer;
+        const reg::PageHeader header = reg::get_page_header(page.data());
+        if (header.epoch != epoch_) return PollResult::new_run;
+        const std::uint32_t end = header.first + header.count;
+        if (header.first < first || end <= next_event_) return PollResult::not_a_gateway;
+        if (header.first > first) {  // the ring has gone round
+            counters_.lost_events += header.first - next_event_;
+            next_event_ = header.first;
+        }
+        for (; next_event_ < end; ++next_event_) {
+            const std::uint16_t* at =
+                &page[reg::page_header + (next_event_ - header.first) * reg::event_size];
+            const auto value = [&](std::size_t row) {
+                return reg::get_word(at, reg::event_fields[row]);
+            };
+            events_.push_back({static_cast<std::int64_t>(value(0)),
+                               static_cast<std::uint16_t>(value(1)),
+                               static_cast<std::uint16_t>(value(2))});
+        }
+    }
+    return PollResult::ok;
 }
 
 PollResult CurveReader::poll_channel(CurveChannel which, std::uint32_t next) {

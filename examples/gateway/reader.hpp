@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <vector>
 
+#include "examples/gateway/feed.hpp"
 #include "port/linux/registers_curve.hpp"
 
 namespace fairlead::gateway {
@@ -29,6 +31,7 @@ class CurveReader {
         std::uint64_t registers{};
         std::uint64_t spans{};
         std::uint64_t lost_spans{};
+        std::uint64_t lost_events{};
     };
 
     explicit CurveReader(ReadRegisters read) : read_{std::move(read)} {}
@@ -43,6 +46,9 @@ class CurveReader {
     std::uint32_t epoch() const noexcept { return epoch_; }
     std::uint16_t status() const noexcept { return status_; }
     const Counters& counters() const noexcept { return counters_; }
+
+    /// The events of this run so far, oldest first.
+    const std::vector<EventItem>& events() const noexcept { return events_; }
 
     /// Spans by number; all but the newest are final. drop_before() forgets what is not needed.
     using Spans = std::map<std::uint32_t, port::CurveSpan>;
@@ -63,9 +69,12 @@ class CurveReader {
     }
     bool ask(std::uint16_t address, std::uint16_t count, std::uint16_t* out);
     PollResult poll_channel(port::CurveChannel channel, std::uint32_t next);
+    PollResult poll_events(std::uint32_t next);
 
     ReadRegisters read_;
     std::array<Channel, 2> channels_{};
+    std::vector<EventItem> events_{};
+    std::uint32_t next_event_{};
     std::uint32_t epoch_{};
     std::uint16_t status_{};
     Counters counters_{};

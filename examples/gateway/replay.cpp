@@ -1,11 +1,12 @@
-// A recording as a source: its poses through the pipeline, in real time or faster, then through the
-// decoder into the unit's feed, as if a board had sent them.
+// A recording as a source: its poses or IMU samples through the pipeline, in real time or faster,
+// then through the decoder into the unit's feed, as if a board had sent them.
 #include <algorithm>
 #include <memory>
 
+#include "examples/gateway/chain.hpp"
 #include "examples/gateway/follower.hpp"
+#include "examples/gateway/live.hpp"
 #include "examples/gateway/source.hpp"
-#include "fairlead/pipeline.hpp"
 #include "host_sim/stream.hpp"
 #include "port/linux/clock.hpp"
 
@@ -14,29 +15,27 @@ namespace {
 
 namespace status_bit = port::registers::status_bit;
 
-struct ReplayPipeline : PipelineConfig {
-    static constexpr std::size_t window = 120;
-};
-
 /// The grid of knots: no coarser than the closest two records.
-std::uint32_t tick_of(const std::vector<Pose>& poses) {
+template <class Record>
+std::uint32_t tick_of(const std::vector<Record>& records) {
     std::int64_t closest = 4 * port::ms;
-    for (std::size_t i = 1; i < poses.size(); ++i) {
-        const std::int64_t step = poses[i].t_ns - poses[i - 1].t_ns;
+    for (std::size_t i = 1; i < records.size(); ++i) {
+        const std::int64_t step = records[i].t_ns - records[i - 1].t_ns;
         if (step > 0) closest = std::min(closest, step);
     }
     return static_cast<std::uint32_t>(std::max(closest, 100 * port::us));
+}
+
+bool has_magnetometer(const std::vector<Sample>& samples) {
+    return std::any_of(samples.begin(), samples.end(),
+                       [](const Sample& s) { return (s.flags & flag::mag_valid) != 0; });
 }
 
 class Replay : public Source {
   public:
     explicit Replay(const UnitConfig& unit)
         : unit_{unit}, recording_{sim::read_recording(unit.file)} {
-        if (sim::poses_of(recording_).empty()) throw sim::BadData{unit.file + ": holds no poses"};
-        params_.encoder.tol_position_m.fill(static_cast<float>(unit.tolerance_m));
-        params_.encoder.tol_orientation_rad =
-            static_cast<float>(unit.tolerance_deg * 0.017453292519943295);
-        params_.encoder.tick_ns = tick_of(recording_.poses);
+        if (recording_.size() == 0) throw sim::BadData{unit.file + ": holds no records"};
     }
     ~Replay() override { stop(); }
 
@@ -59,63 +58,48 @@ class Replay : public Source {
     }
 
   private:
-    using Chain = Pipeline<ReplayPipeline>;
-
     /// @return false when stopped before the end.
     bool play(CurveFollower& follower, UnitFeed& feed, UnitState& state) {
-        const auto chain = std::make_unique<Chain>(params_);
-        const std::vector<Pose>& poses = recording_.poses;
+        if (recording_.samples.empty()) {
+            const auto chain = make_pose_chain(unit_, tick_of(recording_.poses));
+            return play(recording_.poses, *chain, follower, feed, state);
+        }
+        const auto chain = make_sample_chain(unit_, tick_of(recording_.samples),
+                                             has_magnetometer(recording_.samples));
+        return play(recording_.samples, *chain, follower, feed, state);
+    }
+
+    template <class Record>
+    bool play(const std::vector<Record>& records, Chain<Record>& chain, CurveFollower& follower,
+              UnitFeed& feed, UnitState& state) {
         const std::int64_t began_ns = port::now_ns();
-        before_ = {};
-        for (const Pose& pose : poses) {
-            const auto since = static_cast<double>(pose.t_ns - poses.front().t_ns) / unit_.speed;
+        live_.reset();
+        for (const Record& record : records) {
+            const auto since =
+                static_cast<double>(record.t_ns - records.front().t_ns) / unit_.speed;
             const std::int64_t due_ns = began_ns + static_cast<std::int64_t>(since);
             if (!sleep_until(due_ns)) return false;
             state.arrival_ns = std::max(due_ns, state.arrival_ns);
-            const Bytes bytes = chain->push(pose);
+            const Bytes bytes = chain.push(record);
             follower.take(bytes.data, bytes.size);
             state.samples += 1;
-            state.sample_faults = static_cast<std::uint32_t>(chain->intake().faults().total());
-            if (!chain->filtered()) continue;
-            show(*chain->filtered(), state);
+            state.sample_faults = chain.faults();
+            const auto pose = chain.pose();
+            if (!pose) continue;
+            live_.show(*pose, state);
+            state.t_ns = state.arrival_ns;
+            if (unit_.speed == 1) state.clock_error_ns = static_cast<std::uint32_t>(port::us);
             publish(feed, state);
         }
-        for (Bytes bytes = chain->flush(); !bytes.empty(); bytes = chain->flush()) {
+        for (Bytes bytes = chain.flush(); !bytes.empty(); bytes = chain.flush()) {
             follower.take(bytes.data, bytes.size);
         }
         return true;
     }
 
-    /// The live pose is the newest filtered record itself, ahead of the curve by the reducer's
-    /// delay; its rates are differences to the record before.
-    void show(const Pose& pose, UnitState& state) {
-        const bool position = (pose.flags & flag::position_valid) != 0;
-        const bool orientation = (pose.flags & flag::orientation_valid) != 0;
-        constexpr unsigned validity = status_bit::valid_orientation | status_bit::valid_position;
-        state.status = static_cast<std::uint16_t>(state.status & ~validity);
-        if (position) state.status |= status_bit::valid_position;
-        if (orientation) state.status |= status_bit::valid_orientation;
-        const float per_second = 1e9f / static_cast<float>(pose.t_ns - before_.t_ns);
-        if (position) {
-            state.p_w_m = pose.p_w_m;
-            state.v_w_m_s = per_second * (pose.p_w_m - before_.p_w_m);
-        }
-        if (orientation) {
-            state.q_wb = pose.q_wb;
-            state.rate_rad_s = per_second * rotation_vector(conj(before_.q_wb) * pose.q_wb);
-        }
-        if ((before_.flags & pose.flags & flag::position_valid) == 0) state.v_w_m_s = {};
-        if ((before_.flags & pose.flags & flag::orientation_valid) == 0) state.rate_rad_s = {};
-        before_ = pose;
-        state.source_ns = pose.t_ns;
-        state.t_ns = state.arrival_ns;
-        if (unit_.speed == 1) state.clock_error_ns = static_cast<std::uint32_t>(port::us);
-    }
-
     UnitConfig unit_;
     sim::Recording recording_;
-    Chain::Params params_{};
-    Pose before_{};
+    LivePose live_;
 };
 
 }  // namespace

@@ -26,8 +26,11 @@ std::unique_ptr<Service::Unit> Service::open_unit(const UnitConfig& config) {
     auto unit = std::make_unique<Unit>();
     unit->config = config;
     try {
-        unit->source =
-            config.source == SourceKind::replay ? make_replay(config) : make_board(config);
+        switch (config.source) {
+            case SourceKind::replay: unit->source = make_replay(config); break;
+            case SourceKind::serial: unit->source = make_board(config); break;
+            case SourceKind::sensor: unit->source = make_sensor(config); break;
+        }
     } catch (const sim::BadData& error) {
         throw StartError{EX_NOINPUT, error.what()};
     }
@@ -102,7 +105,8 @@ bool Service::is_alive(std::int64_t now_ns) const noexcept {
                        [&](const auto& unit) { return unit->source->is_alive(now_ns); });
 }
 
-port::Registers Service::prepare(std::uint8_t unit, std::uint16_t address, std::uint16_t) noexcept {
+port::RegisterTable Service::prepare(std::uint8_t unit, std::uint16_t address,
+                                     std::uint16_t) noexcept {
     Unit* const found = by_id_[unit];
     if (found == nullptr) return {};
     found->table.collect(found->feed);

@@ -35,8 +35,8 @@ class Service : public port::RegisterBank {
     /// False when a source hangs.
     bool is_alive(std::int64_t now_ns) const noexcept;
 
-    port::Registers prepare(std::uint8_t unit, std::uint16_t address,
-                            std::uint16_t quantity) noexcept override;
+    port::RegisterTable prepare(std::uint8_t unit, std::uint16_t address,
+                                std::uint16_t quantity) noexcept override;
 
     const std::vector<std::uint16_t>& ports() const noexcept { return ports_; }
     const port::ModbusCounters& counters() const noexcept { return counters_; }

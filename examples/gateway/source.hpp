@@ -42,5 +42,6 @@ class Source {
 /// Throws sim::BadData when a recording cannot be used.
 std::unique_ptr<Source> make_replay(const UnitConfig& unit);
 std::unique_ptr<Source> make_board(const UnitConfig& unit);
+std::unique_ptr<Source> make_sensor(const UnitConfig& unit);
 
 }  // namespace fairlead::gateway

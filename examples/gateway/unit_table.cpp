@@ -165,7 +165,14 @@ void UnitTable::refresh(const ServerState& server, std::int64_t now_ns) noexcept
         .u32(c.rtu_damaged)
         .u32(c.rtu_foreign)
         .u32(c.rtu_lost_line)
-        .u32(server.turn_max_us);
+        .u32(server.turn_max_us)
+        .u32(s.events_lost)
+        .u32(s.sensor.lost)
+        .u32(s.sensor.missed_edges)
+        .u32(s.sensor.bus_errors)
+        .u32(s.sensor.overruns)
+        .u32(s.sensor.resets)
+        .u32(s.sensor.clock_jumps);
 }
 
 }  // namespace fairlead::gateway

@@ -28,7 +28,7 @@ bool ModbusReply::answer(const std::uint8_t* adu, std::size_t size, const std::u
     const int exception_size = envelope + 2;
     ++counters.requests;
     modbus::ReadRequest request = modbus::parse_pdu(pdu, pdu_size);
-    Registers registers{};
+    RegisterTable registers{};
     if (request.exception == Exception::none) {
         registers = bank.prepare(unit, request.address, request.quantity);
         if (registers.first == nullptr) {

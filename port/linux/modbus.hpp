@@ -17,7 +17,7 @@ struct _modbus;
 namespace fairlead::port {
 
 /// A unit's table: register `address` is first[address].
-struct Registers {
+struct RegisterTable {
     std::uint16_t* first{};
     std::uint16_t count{};
 };
@@ -27,8 +27,8 @@ class RegisterBank {
   public:
     /// Brings registers [address, address + quantity) of a unit up to date; the answer to one
     /// request is sent before the next call, so it is never torn. No such unit: {nullptr, 0}.
-    virtual Registers prepare(std::uint8_t unit, std::uint16_t address,
-                              std::uint16_t quantity) noexcept = 0;
+    virtual RegisterTable prepare(std::uint8_t unit, std::uint16_t address,
+                                  std::uint16_t quantity) noexcept = 0;
 
   protected:
     ~RegisterBank() = default;

@@ -48,7 +48,7 @@ constexpr std::array<Field, N> rows(const Field (&list)[N]) noexcept {
 }
 
 inline constexpr std::uint32_t magic = 0x464C'4431;   // "FLD1"
-inline constexpr std::uint16_t map_version = 0x0100;  // major, minor
+inline constexpr std::uint16_t map_version = 0x0101;  // major, minor
 
 inline constexpr std::uint16_t page_size = 125;  // one request
 inline constexpr std::uint16_t page_header = 8;  // registers before a page's records
@@ -171,6 +171,13 @@ inline constexpr auto fields = rows({
     {158, Type::u32, "server.rtu_foreign", "", "RTU frames for other units"},
     {160, Type::u32, "server.rtu_lost_line", "", "times that the RTU line went away"},
     {162, Type::u32, "server.turn_max_us", "us", "longest turn of the server's loop"},
+    {164, Type::u32, "events.lost", "", "events that are missing from this run"},
+    {166, Type::u32, "sensor.lost", "", "samples that the sensor took and nobody read"},
+    {168, Type::u32, "sensor.missed_edges", "", "data-ready edges that were waited for in vain"},
+    {170, Type::u32, "sensor.bus_errors", "", "failed transfers"},
+    {172, Type::u32, "sensor.overruns", "", "overruns of the sensor's FIFO"},
+    {174, Type::u32, "sensor.resets", "", "resets of the sensor that nobody ordered"},
+    {176, Type::u32, "sensor.clock_jumps", "", "edges with times that were not believed"},
 
     {256, Type::u32, "events.epoch", "", "first event page (4 pages of 125): header as in history"},
     {258, Type::u32, "events.first", "", "number of the page's first event"},

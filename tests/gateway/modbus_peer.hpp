@@ -28,7 +28,7 @@ class CountingBank : public RegisterBank {
             table_[i] = static_cast<std::uint16_t>(1000 + i);
         }
     }
-    Registers prepare(std::uint8_t unit, std::uint16_t, std::uint16_t) noexcept override {
+    RegisterTable prepare(std::uint8_t unit, std::uint16_t, std::uint16_t) noexcept override {
         if (unit != 7) return {};
         return {table_.data(), static_cast<std::uint16_t>(table_.size())};
     }

@@ -13,7 +13,7 @@ TEST(Config, TheCommentedExampleIsValidAndSaysTheDefaults) {
     for (const auto& error : got.errors) ADD_FAILURE() << error;
     const Config fallback = default_config();
     EXPECT_TRUE(same_server(got.config, fallback));
-    ASSERT_EQ(got.config.units.size(), 2u);
+    ASSERT_EQ(got.config.units.size(), 3u);
     const UnitConfig unit;
     EXPECT_EQ(got.config.units[0].file, "examples/gateway/motion.trk");
     EXPECT_EQ(got.config.units[0].speed, unit.speed);
@@ -23,6 +23,17 @@ TEST(Config, TheCommentedExampleIsValidAndSaysTheDefaults) {
     EXPECT_EQ(got.config.units[1].line.baud, unit.line.baud);
     EXPECT_EQ(got.config.units[1].line.parity, unit.line.parity);
     EXPECT_EQ(got.config.units[1].source, SourceKind::serial);
+    const UnitConfig& sensor = got.config.units[2];
+    EXPECT_EQ(sensor.source, SourceKind::sensor);
+    EXPECT_EQ(sensor.imu.sensor, unit.imu.sensor);
+    EXPECT_EQ(sensor.imu.watermark, unit.imu.watermark);
+    EXPECT_EQ(sensor.imu.address, 0x6A);
+    EXPECT_EQ(sensor.bus, unit.bus);
+    EXPECT_EQ(sensor.chip, unit.chip);
+    EXPECT_EQ(sensor.line_number, 17u);
+    ASSERT_EQ(sensor.buttons.size(), 1u);
+    EXPECT_EQ(sensor.buttons[0].line, 22u);
+    EXPECT_TRUE(sensor.buttons[0].active_low);
     EXPECT_EQ(got.config.log_level, Level::info);
 }
 

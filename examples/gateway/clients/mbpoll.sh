@@ -83,6 +83,13 @@ field server.rtu_damaged 156 1 4:int
 field server.rtu_foreign 158 1 4:int
 field server.rtu_lost_line 160 1 4:int
 field server.turn_max_us 162 1 4:int
+field events.lost 164 1 4:int
+field sensor.lost 166 1 4:int
+field sensor.missed_edges 168 1 4:int
+field sensor.bus_errors 170 1 4:int
+field sensor.overruns 172 1 4:int
+field sensor.resets 174 1 4:int
+field sensor.clock_jumps 176 1 4:int
 field events.epoch 256 1 4:int
 field events.first 258 1 4:int
 field events.count 260 1 4

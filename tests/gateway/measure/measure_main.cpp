@@ -48,7 +48,7 @@ class OneUnit : public port::RegisterBank {
         server_.counters = &counters;
         table_->begin(1, "torn", SourceKind::sensor, 7, 2'000'000'000);
     }
-    port::Registers prepare(std::uint8_t, std::uint16_t, std::uint16_t) noexcept override {
+    port::RegisterTable prepare(std::uint8_t, std::uint16_t, std::uint16_t) noexcept override {
         table_->collect(feed);
         table_->refresh(server_, port::now_ns());
         return {table_->registers(), reg::map_length};

@@ -1,0 +1,40 @@
+#pragma once
+// The library's pipelines as the gateway's own sources run them: records in, the stream's bytes and
+// the newest pose out. IMU samples pass the attitude stage first.
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "examples/gateway/config.hpp"
+#include "fairlead/base/types.hpp"
+#include "fairlead/wire/encoder.hpp"
+
+namespace fairlead::gateway {
+
+/// Record: Pose, or Sample.
+template <class Record>
+class Chain {
+  public:
+    Chain() = default;
+    virtual ~Chain() = default;
+    Chain(const Chain&) = delete;
+    Chain& operator=(const Chain&) = delete;
+
+    /// As of Pipeline; the bytes are valid until the next call.
+    virtual Bytes push(const Record& record) noexcept = 0;
+    virtual Bytes idle() noexcept = 0;
+    virtual Bytes flush() noexcept = 0;
+    virtual bool push_event(const Event& event) noexcept = 0;
+    /// The newest pose, if the last push gave one; it is ahead of the curve by the reducer's delay.
+    virtual std::optional<Pose> pose() const noexcept = 0;
+    /// Records that the intake refused or mended.
+    virtual std::uint32_t faults() const noexcept = 0;
+};
+
+/// tick_ns: the grid of the knots, no coarser than two records are apart.
+std::unique_ptr<Chain<Pose>> make_pose_chain(const UnitConfig& unit, std::uint32_t tick_ns);
+/// Without a magnetometer, heading is relative to the start.
+std::unique_ptr<Chain<Sample>> make_sample_chain(const UnitConfig& unit, std::uint32_t tick_ns,
+                                                 bool magnetometer);
+
+}  // namespace fairlead::gateway

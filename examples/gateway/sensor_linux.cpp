@@ -1,0 +1,62 @@
+// A sensor's hardware on Linux: i2c-dev and libgpiod.
+#include <vector>
+
+#include "examples/gateway/sensor.hpp"
+#include "port/linux/button.hpp"
+#include "port/linux/gpio.hpp"
+#include "port/linux/i2c.hpp"
+
+namespace fairlead::gateway {
+namespace {
+
+class LinuxHardware final : public SensorHardware {
+  public:
+    Opened open(const UnitConfig& unit) override {
+        close();
+        if (const Status s = bus_.open(unit.bus); s != Status::ok) return {s, "i2c bus"};
+        if (const Status s = ready_.open(unit.chip.c_str(), unit.line_number); s != Status::ok)
+            return {s, "data-ready line"};
+        buttons_.reserve(unit.buttons.size());  // contacts keep pointers to their lines
+        for (const ButtonConfig& button : unit.buttons) {
+            port::GpioEdges& edges = buttons_.emplace_back();
+            const Status s = edges.open(unit.chip.c_str(), button.line, port::EdgeKind::both);
+            if (s != Status::ok) return {s, "button line"};
+            contacts_.emplace_back(
+                edges, static_cast<std::uint16_t>(button.channel),
+                port::Debounce{static_cast<std::int64_t>(button.debounce_s * 1e9),
+                               button.active_low});
+        }
+        loop_ = port::make_imu_loop(unit.imu, bus_, ready_, port::MonotonicClock{});
+        return {loop_ ? Status::ok : Status::not_supported, "sensor"};
+    }
+    void close() noexcept override {
+        loop_.reset();
+        contacts_.clear();
+        buttons_.clear();
+        ready_.close();
+        bus_.close();
+    }
+    port::ImuLoop& loop() noexcept override { return *loop_; }
+    std::size_t events(std::int64_t now_ns, std::array<Event, events_max>& out) noexcept override {
+        std::size_t n = 0;
+        for (auto& contact : contacts_) {
+            contact.step(now_ns, [&](const Event& event) {
+                if (n < out.size()) out[n++] = event;
+            });
+        }
+        return n;
+    }
+
+  private:
+    port::I2c bus_;
+    port::DataReady ready_;
+    std::vector<port::GpioEdges> buttons_;
+    std::vector<port::Contact<port::GpioEdges>> contacts_;
+    std::unique_ptr<port::ImuLoop> loop_;
+};
+
+}  // namespace
+
+std::unique_ptr<SensorHardware> make_linux_hardware() { return std::make_unique<LinuxHardware>(); }
+
+}  // namespace fairlead::gateway
