@@ -113,8 +113,8 @@ $(BUILD)/linux_vm/bin/%: $(BUILD)/obj/tests/linux_vm/%.o $(VM_PARTS)
 	@mkdir -p $(@D)
 	$(CXX) $(HOST) -static $^ -lgpiod -lz -o $@
 .PHONY: linux-vm-test
-linux-vm-test: setup-build setup-linux-vm ## boot a Debian kernel under QEMU and run the port against it (minutes)
-	@$(MAKE) BUILD=$(BUILD) $(VM_PROGRAMS)
+linux-vm-test: setup-build setup-gateway setup-linux-vm ## boot a Debian kernel under QEMU and run the port against it (minutes)
+	@$(MAKE) BUILD=$(BUILD) $(VM_PROGRAMS) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll
 	@tests/linux_vm/run $(BUILD) $(VM_RECORDING)
 
 # the sensor drivers on a microcontroller: they compile for a Cortex-M4F and ask for no heap

@@ -69,7 +69,11 @@ bool Writer::append(const std::vector<Sample>& samples) {
     if (samples.empty()) return true;
     count_ += static_cast<std::uint32_t>(samples.size());
     // the records as the file format writes them, without the header that is there already
-    if (binary_) return put(sim::to_imu(as_recording(name_, period_s_, samples)), header_size);
+    if (binary_) {
+        std::vector<Sample> whole = samples;  // .imu keeps whole microseconds
+        for (Sample& s : whole) s.t_ns = (s.t_ns + 500) / 1000 * 1000;
+        return put(sim::to_imu(as_recording(name_, period_s_, whole)), header_size);
+    }
     const std::string text = sim::to_euroc_imu(samples);
     return put(text, sim::to_euroc_imu({}).size());
 }

@@ -1,7 +1,8 @@
 #pragma once
 // Appends samples to a .imu or EuRoC CSV file so that a cut at any byte, by power or by kill, costs
 // at most the record that is being written. A .imu file says 4294967295 records until it is closed
-// in peace: readers that salvage take every complete record before the cut.
+// in peace: readers that salvage take every complete record before the cut. Times are rounded to
+// microseconds in .imu, as that format has them; .csv keeps nanoseconds.
 #include <string>
 #include <vector>
 
