@@ -212,6 +212,42 @@ TEST(Curve, DamagedBytesCostTimeButNeverGiveAWrongValue) {
     EXPECT_GT(chain.state.resyncs, 0u);
 }
 
+TEST(Curve, AfterDamageTheNextWholeRestartFrameIsEnough) {
+    std::mt19937 random{99};
+    Chain chain{0};
+    for (int trial = 0; trial < 20; ++trial) {
+        for (int i = 0; i < 200 + trial * 37; ++i) chain.arrive(chain.next());
+        for (int i = 0; i < 50; ++i) {  // the line breaks down for an eighth of a second
+            auto bytes = chain.next();
+            for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+            chain.arrive(bytes);
+        }
+        int records = 0;
+        while (chain.follower->decoder().in_step() && records < 10) {  // not noticed yet
+            chain.arrive(chain.next());
+            ++records;
+        }
+        while (!chain.follower->decoder().in_step() && records < 10000) {
+            chain.arrive(chain.next());
+            ++records;
+        }
+        EXPECT_LE(records, 800 + 10) << "2 s: the restart interval";
+    }
+}
+
+TEST(Curve, AByteThatLooksLikeAFrameHoldsNothingBack) {
+    Chain chain{0};
+    std::vector<std::uint8_t> first;
+    while (first.empty()) first = chain.next();
+    for (const unsigned stray : {0xC1u, 0xE1u}) {
+        Decoder decoder;
+        decoder.push(static_cast<std::uint8_t>(stray));  // a frame of 480 bytes is to come
+        decoder.push(0xDF);
+        for (const std::uint8_t byte : first) decoder.push(byte);
+        EXPECT_TRUE(decoder.in_step()) << stray;
+    }
+}
+
 TEST(Curve, ABoardThatBeginsAnewIsANewRun) {
     Chain chain{5'000'000'000};
     CurveReader reader = chain.make_reader();

@@ -123,13 +123,13 @@ void BoardOnLine::stop() {
     if (thread_.joinable()) thread_.join();
 }
 
-/// Swings, turns and rests, another motion for every seed; its own clock begins at one hour.
-Pose BoardOnLine::pose_at(std::uint64_t i) const {
-    const double t = static_cast<double>(i) / settings_.rate_hz;
-    const double k = 1 + 0.1 * settings_.seed;
+Pose motion_of(const BoardOnLine::Settings& settings, std::uint64_t i) {
+    const double t = static_cast<double>(i) / settings.rate_hz;
+    const double k = 1 + 0.1 * settings.seed;
     const double move = t - std::sin(0.7 * t) / 0.7;  // stands still whenever cos(0.7 t) is 1
     Pose pose;
-    pose.t_ns = 3'600'000'000'000 + static_cast<std::int64_t>(i) * period_ns();
+    pose.t_ns = 3'600'000'000'000 +
+                static_cast<std::int64_t>(i) * static_cast<std::int64_t>(1e9 / settings.rate_hz);
     pose.p_w_m = {static_cast<float>(std::sin(1.3 * k * move)),
                   static_cast<float>(0.4 * std::cos(2.1 * k * move)),
                   static_cast<float>(1 + 0.1 * std::sin(3 * k * move))};
@@ -149,13 +149,14 @@ void BoardOnLine::run() {
     params.encoder.tol_position_m.fill(tolerance_m);
     params.encoder.tol_orientation_rad = tolerance_rad;
     params.encoder.tick_ns = static_cast<std::uint32_t>(period_ns());
+    params.encoder.restart_interval_ns = static_cast<std::int64_t>(settings_.restart_s * 1e9);
     const auto chain = std::make_unique<Chain>(params);
     std::mt19937 random{settings_.seed};
     std::uniform_real_distribution<double> uniform;
     const std::int64_t began_ns = port::now_ns();
     for (std::uint64_t i = 0; !stop_; ++i) {
         port::sleep_until(began_ns + static_cast<std::int64_t>(i) * period_ns());
-        const Pose pose = pose_at(i);
+        const Pose pose = motion_of(settings_, i);
         poses_.push_back(pose);
         const Bytes frames = chain->push(pose);
         std::vector<std::uint8_t> bytes{frames.data, frames.data + frames.size};

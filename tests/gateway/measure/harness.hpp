@@ -41,6 +41,7 @@ class BoardOnLine {
         double rate_hz{400};
         unsigned seed{1};
         double damaged_share{};  // of all bytes
+        double restart_s{2};     // between restart frames
     };
     explicit BoardOnLine(const Settings& settings);
     ~BoardOnLine();
@@ -60,7 +61,6 @@ class BoardOnLine {
 
   private:
     void run();
-    Pose pose_at(std::uint64_t i) const;
     std::int64_t period_ns() const noexcept {
         return static_cast<std::int64_t>(1e9 / settings_.rate_hz);
     }
@@ -75,6 +75,12 @@ class BoardOnLine {
     std::atomic<std::uint64_t> bytes_{0};
     std::uint64_t damaged_{};
 };
+
+/// Swings, turns and rests, another motion for every seed; its own clock begins at one hour.
+Pose motion_of(const BoardOnLine::Settings& settings, std::uint64_t i);
+
+/// What damage on the line costs, as a table. @return 1 when a wrong value was published.
+int noise_table(double seconds);
 
 /// libmodbus's own client.
 class Client {

@@ -355,19 +355,19 @@ int restart(const Options& options) {
     auto gateway =
         std::make_unique<GatewayProcess>(options.gateway, arguments_for(boards, "127.0.0.1:0"));
     const std::string listen = "127.0.0.1:" + std::to_string(gateway->port());
-    auto client = std::make_unique<Client>(gateway->port(), 1);
+    port::sleep_until(port::now_ns() + 5 * port::second);
+    auto client = std::make_unique<Client>(gateway->port(), 1);  // it must ask at once
     CurveReader reader{[&](std::uint16_t address, std::uint16_t count, std::uint16_t* out) {
         return client->read(address, count, out);
     }};
-    port::sleep_until(port::now_ns() + 5 * port::second);
     if (reader.poll() != PollResult::ok) return 1;
     const std::uint32_t first = reader.epoch();
     const std::size_t spans = reader.spans(port::CurveChannel::orientation).size();
     gateway->kill_hard();
     const PollResult dead = reader.poll();
     gateway = std::make_unique<GatewayProcess>(options.gateway, arguments_for(boards, listen));
-    client = std::make_unique<Client>(gateway->port(), 1);
     port::sleep_until(port::now_ns() + 5 * port::second);
+    client = std::make_unique<Client>(gateway->port(), 1);
     const PollResult after = reader.poll();
     const bool unmixed = reader.spans(port::CurveChannel::orientation).size() == spans;
     reader.begin_run();
@@ -412,6 +412,8 @@ int main(int argc, char** argv) {
     app.add_subcommand("noise", "the same with 1 % of the line's bytes damaged")->callback([&] {
         result = history(options, 0.01);
     });
+    app.add_subcommand("noise-table", "what damage costs, over restart interval and delay")
+        ->callback([&] { result = noise_table(options.seconds); });
     app.add_subcommand("restart", "kill -9 and restart: two runs are never mixed")->callback([&] {
         result = restart(options);
     });

@@ -94,7 +94,12 @@ class Decoder {
             if (used_ < head && !ended_) return false;
             const std::size_t n =
                 two ? (first & (event ? 0x1fu : 0x3fu)) * 256u + buffer_[1] : first;
-            const bool possible = n > 0 && n <= wire::max_payload && (in_step_ || restart || event);
+            // a stray byte must not hold back what follows until its length has come: frames that
+            // need no step are believed from their version on
+            const std::uint32_t version = event ? wire::event_version : wire::version;
+            const bool stray = (restart || event) && used_ > head && buffer_[head] != version;
+            const bool possible =
+                n > 0 && n <= wire::max_payload && !stray && (in_step_ || restart || event);
             const bool whole = used_ >= head + n + 2;
             if (possible && !whole && !ended_) return false;  // wait for the rest
             const std::uint16_t seed =
