@@ -150,7 +150,7 @@ std::string leave_one_out(const std::vector<Recording>& recordings) {
     return out + text("| mean | %.3f | | | | | %.3f |\n", sum / n, sum_default / n);
 }
 
-Means baseline(const std::vector<Recording>& recordings, const AhrsKind& kind, double gain,
+Means baseline(const std::vector<Recording>& recordings, const AhrsKind& kind, const AhrsGain& gain,
                bool use_field) {
     Means sum;
     for (const Recording& r : recordings) {
@@ -176,11 +176,12 @@ Means baseline(const std::vector<Recording>& recordings, const AhrsKind& kind, d
 
 std::string baselines(const std::vector<Recording>& recordings) {
     std::string out =
-        "| filter | gain, best for 9D | 9D total | gain, best for 6D | 6D inclination |\n"
+        "| filter | gains, best for 9D | 9D total | gains, best for 6D | 6D inclination |\n"
         "|---|---|---|---|---|\n";
     for (const AhrsKind& kind : ahrs_kinds()) {
-        double nine = 1e300, nine_gain = 0, six = 1e300, six_gain = 0;
-        for (const double gain : kind.gains) {
+        double nine = 1e300, six = 1e300;
+        AhrsGain nine_gain, six_gain;
+        for (const AhrsGain& gain : kind.gains) {
             const double total = baseline(recordings, kind, gain, true).total;
             const double inclination = baseline(recordings, kind, gain, false).inclination;
             if (total < nine) {
@@ -192,8 +193,11 @@ std::string baselines(const std::vector<Recording>& recordings) {
                 six_gain = gain;
             }
         }
-        out += text("| %s, tuned on these recordings | %g | %.2f | %g | %.2f |\n",
-                    kind.name.c_str(), nine_gain, nine, six_gain, six);
+        const auto said = [](const AhrsGain& g) {
+            return g.integral > 0 ? text("%g, %g", g.first, g.integral) : text("%g", g.first);
+        };
+        out += text("| %s, tuned on these recordings | %s | %.2f | %s | %.2f |\n",
+                    kind.name.c_str(), said(nine_gain).c_str(), nine, said(six_gain).c_str(), six);
     }
     const Means m = mean_score(recordings, AttitudeMode::imu_mag, {});
     const Means six = mean_score(recordings, AttitudeMode::imu, {});

@@ -181,6 +181,29 @@ TEST(Attitude, RecoversFromAClippedGyro) {
     EXPECT_LT(e.total_deg, 4.0);
 }
 
+TEST(Attitude, AnAxisThatDiesIsNoticedAndOneThatRestsIsNot) {
+    for (const bool moving : {true, false}) {
+        Motion motion{World{}};
+        Attitude filter;
+        float last = 0;
+        const double from = moving ? 20 : 5;
+        const auto hold = [&](Sample& s, double t) {
+            if (t < from) last = s.gyro_rad_s.y;
+            if (t >= from && t < from + 2) s.gyro_rad_s.y = last;
+        };
+        worst(filter, motion, from, from + 0.2, hold);
+        EXPECT_EQ(filter.state().flags & flag::clipped, 0u) << "too early to tell";
+        const float before = filter.inclination_sigma();
+        worst(filter, motion, from, from + 0.6, hold);
+        EXPECT_EQ((filter.state().flags & flag::clipped) != 0, moving);
+        worst(filter, motion, from, from + 1.9, hold);
+        EXPECT_EQ(filter.inclination_sigma() > 3 * before, moving);
+        const AttitudeErrors e = worst(filter, motion, from + 25, from + 45, hold);
+        EXPECT_LT(e.inclination_deg, 1.5);
+        EXPECT_EQ(filter.state().flags & flag::clipped, 0u);
+    }
+}
+
 TEST(Attitude, AClippedSensorSpeaksForItselfAlone) {
     const auto worst_with = [](flag::Bits flags) {
         Motion motion{World{}};
@@ -320,6 +343,53 @@ TEST(Attitude, PredictsAtTheRateSeen) {
     const auto now = filter.orientation(), later = filter.predict(0.02f);
     const auto turned = rotation_vector(conj(now) * later);
     EXPECT_NEAR(norm(turned - 0.02f * filter.rate_rad_s()), 0, 1e-4);
+}
+
+TEST(Attitude, AccelerationIsFreeOfGravity) {
+    World world;
+    world.accel_noise = 0;
+    Motion motion{world};
+    Attitude filter;
+    while (motion.time() < 9) filter.push(motion.next());
+    Sample s = motion.next();
+    filter.push(s);
+    EXPECT_NEAR(norm(filter.earth_acceleration(s)), 0, 0.05);
+    const ref::V push_w{1, -2, 0.5};  // m/s^2, east north up
+    s.accel_m_s2 += ref::narrow(motion.to_body(push_w));
+    const Vec3 earth = filter.earth_acceleration(s), body = filter.linear_acceleration(s);
+    EXPECT_NEAR(norm(earth - ref::narrow(push_w)), 0, 0.1);
+    EXPECT_NEAR(norm(body - ref::narrow(motion.to_body(push_w))), 0, 0.1);
+}
+
+TEST(Attitude, SettlesOnlyWhenBothAnglesAreKnown) {
+    Motion a{World{}}, b{World{}};
+    Attitude both, blind;
+    int settled = 0;
+    while (a.time() < 9) {
+        Sample s = b.next();
+        s.flags &= ~flag::mag_valid;
+        both.push(a.next());
+        const auto pose = blind.push(s);
+        settled += (pose->flags & flag::settling) == 0 ? 1 : 0;
+    }
+    EXPECT_EQ(both.state().flags & flag::settling, 0u);
+    EXPECT_EQ(settled, 0) << "without a magnetometer there is no heading";
+    EXPECT_GT(blind.heading_sigma(), 0.5f);
+    EXPECT_LT(blind.inclination_sigma(), 0.01f);
+    Attitude fresh;
+    fresh.push(a.next());
+    EXPECT_GT(fresh.inclination_sigma(), 0.5f) << "one reading is no levelling";
+    EXPECT_GT(fresh.heading_sigma(), 0.5f);
+}
+
+TEST(Attitude, AGapIsPassedOn) {
+    Motion motion{World{}};
+    Attitude filter;
+    filter.push(motion.next());
+    Sample s = motion.next();
+    s.flags |= flag::gap_before;
+    EXPECT_NE(filter.push(s)->flags & flag::gap_before, 0u);
+    EXPECT_EQ(filter.push(motion.next())->flags & flag::gap_before, 0u);
 }
 
 TEST(Attitude, CovarianceStaysPositive) {

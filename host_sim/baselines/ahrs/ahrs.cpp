@@ -31,7 +31,7 @@ Seen expected(const Quaterniond& q_wb, const Vector3d& field_b) {
 /// [Madgwick, Harrison, Vaidyanathan, ICORR 2011]: a normalised gradient step against gyro drift.
 class Madgwick final : public Ahrs {
   public:
-    explicit Madgwick(double beta) : beta_{beta} {}
+    explicit Madgwick(const AhrsGain& gain) : beta_{gain.first} {}
 
   protected:
     Vector3d rate(const Vector3d& gyro, const Vector3d& accel, const Vector3d& field,
@@ -52,7 +52,7 @@ class Madgwick final : public Ahrs {
 /// [Mahony, Hamel, Pflimlin, IEEE TAC 2008], explicit complementary filter with bias.
 class Mahony final : public Ahrs {
   public:
-    explicit Mahony(double k_p) : k_p_{k_p}, k_i_{k_p / 10} {}
+    explicit Mahony(const AhrsGain& gain) : k_p_{gain.first}, k_i_{gain.integral} {}
 
   protected:
     Vector3d rate(const Vector3d& gyro, const Vector3d& accel, const Vector3d& field,
@@ -73,7 +73,7 @@ class Mahony final : public Ahrs {
 /// apart from the other, unlike in Madgwick's and Mahony's.
 class Complementary final : public Ahrs {
   public:
-    explicit Complementary(double tau_s) : tau_s_{tau_s} {}
+    explicit Complementary(const AhrsGain& gain) : tau_s_{gain.first} {}
 
   protected:
     Vector3d rate(const Vector3d& gyro, const Vector3d& accel, const Vector3d& field,
@@ -92,8 +92,21 @@ class Complementary final : public Ahrs {
 };
 
 template <class Kind>
-std::unique_ptr<Ahrs> make(double gain) {
+std::unique_ptr<Ahrs> make(const AhrsGain& gain) {
     return std::make_unique<Kind>(gain);
+}
+
+std::vector<AhrsGain> plain(std::initializer_list<double> gains) {
+    std::vector<AhrsGain> out;
+    for (const double gain : gains) out.push_back({gain, 0});
+    return out;
+}
+std::vector<AhrsGain> with_integral(std::initializer_list<double> gains,
+                                    std::initializer_list<double> integrals) {
+    std::vector<AhrsGain> out;
+    for (const double gain : gains)
+        for (const double integral : integrals) out.push_back({gain, integral});
+    return out;
 }
 
 }  // namespace
@@ -115,9 +128,11 @@ const Quaterniond& Ahrs::update(const Sample& sample, double dt_s, bool use_fiel
 
 const std::vector<AhrsKind>& ahrs_kinds() {
     static const std::vector<AhrsKind> kinds{
-        {"Madgwick", {0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.2}, make<Madgwick>},
-        {"Mahony", {0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6}, make<Mahony>},
-        {"complementary", {0.5, 1, 2, 4, 8, 16}, make<Complementary>},
+        {"Madgwick", plain({0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.2}), make<Madgwick>},
+        {"Mahony",
+         with_integral({0.03, 0.06, 0.12, 0.25, 0.5, 1, 2, 4}, {0, 3e-4, 1e-3, 3e-3, 1e-2}),
+         make<Mahony>},
+        {"complementary", plain({0.5, 1, 2, 4, 8, 16}), make<Complementary>},
     };
     return kinds;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The three orientation filters that everybody knows, written plainly in double, as yardsticks: one
-// gain each, chosen by sweep. They get true time steps and start level and north on their first
+// The three orientation filters that everybody knows, written plainly in double, as yardsticks: the
+// gains chosen by sweep. They get true time steps and start level and north on their first
 // sample, which is more than their usual implementations do.
 #include <Eigen/Geometry>
 #include <memory>
@@ -27,13 +27,16 @@ class Ahrs {
     bool started_{false};
 };
 
+struct AhrsGain {
+    double first{}, integral{};
+};
 struct AhrsKind {
     std::string name;
-    std::vector<double> gains;  // to sweep
-    std::unique_ptr<Ahrs> (*make)(double gain);
+    std::vector<AhrsGain> gains;  // to sweep
+    std::unique_ptr<Ahrs> (*make)(const AhrsGain& gain);
 };
 
-/// Madgwick 2010 (gain beta, rad/s), Mahony 2008 (k_p, 1/s; k_i = k_p / 10), complementary filter
+/// Madgwick 2010 (gain beta, rad/s), Mahony 2008 (k_p, 1/s, and k_i, 1/s^2), complementary filter
 /// (time constant, s).
 const std::vector<AhrsKind>& ahrs_kinds();
 
