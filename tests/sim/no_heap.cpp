@@ -10,6 +10,9 @@ struct Config : PipelineConfig {
 
 Bytes push(Pipeline<Config>& pipeline, const Pose& pose) { return pipeline.push(pose); }
 Bytes flush(Pipeline<Config>& pipeline) { return pipeline.flush(); }
+bool push_event(Pipeline<Config>& pipeline, const Event& e) { return pipeline.push_event(e); }
+Bytes idle(Pipeline<Config>& pipeline) { return pipeline.idle(); }
 Pipeline<Config> make() { return Pipeline<Config>{{{}, Config::Filter{binomial_mask<9>()}, {}}}; }
 bool push(Decoder& decoder, std::uint8_t byte) { return decoder.push(byte); }
 bool next(Decoder& decoder, Decoder::Update& update) { return decoder.next(update); }
+bool next_event(Decoder& decoder, Event& event) { return decoder.next_event(event); }
