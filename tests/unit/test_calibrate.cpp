@@ -104,6 +104,18 @@ TEST(GyroTemperatureFit, FindsTheLine) {
     EXPECT_LT(r->residual_rad_s, 6e-5f);
 }
 
+TEST(GyroTemperatureFit, WantsRestsThatDiffer) {
+    GyroTemperatureFit fit;
+    for (int i = 0; i < 10; ++i) fit.push({0.01f, 0, 0}, 20 + 0.4f * static_cast<float>(i));
+    EXPECT_EQ(fit.result().status(), Status::not_enough_data) << "3.6 K are no span";
+    fit.push({0.02f, 0, 0}, 26);
+    EXPECT_TRUE(fit.result());
+    GyroTemperatureFit two;
+    two.push({0.01f, 0, 0}, 10);
+    two.push({0.01f, 0, 0}, 30);
+    EXPECT_EQ(two.result().status(), Status::not_enough_data);
+}
+
 TEST(GyroTurnFit, FindsScaleFromAKnownTurn) {
     GyroTurnFit fit;
     for (int i = 0; i < 1000; ++i) fit.push({0.001f, 0, 0.97f * 2 * pi_v<float> / 5}, 0.005f);
@@ -114,6 +126,7 @@ TEST(GyroTurnFit, FindsScaleFromAKnownTurn) {
     GyroTurnFit crooked;
     for (int i = 0; i < 500; ++i) crooked.push({0.6f, 0, 0.9f}, 0.005f);
     EXPECT_EQ(crooked.result(2, 2.25f).status(), Status::bad_data);
+    EXPECT_EQ(fit.result(2, 3 * pi_v<float>).status(), Status::bad_data) << "another angle";
 }
 
 TEST(AccelFit, RecoversOffsetScaleAndMisalignment) {
@@ -135,6 +148,26 @@ TEST(AccelFit, RecoversOffsetScaleAndMisalignment) {
         const Vec3 truth = 9.80665f * direction(random);
         expect_near(r->correction(a * truth + offset), truth, 0.01f);
     }
+}
+
+/// Six faces as a sensor shows them that multiplies by `scale`; the last one leans by `lean_rad`.
+Result<AccelCalibration> six_faces(float scale, float lean_rad) {
+    AccelFit fit;
+    for (int face = 0; face < 6; ++face) {
+        const float g = scale * (face % 2 == 0 ? 9.80665f : -9.80665f);
+        Vec3 reading{face / 2 == 0 ? g : 0, face / 2 == 1 ? g : 0, face / 2 == 2 ? g : 0};
+        if (face == 5) reading = rotate(from_rotation_vector(Vec3{lean_rad, 0, 0}), reading);
+        for (int i = 0; i < 60; ++i) fit.push(reading);
+    }
+    return fit.result();
+}
+
+TEST(AccelFit, RefusesCrookedFacesAndImpossibleScales) {
+    EXPECT_TRUE(six_faces(1, 0));
+    EXPECT_TRUE(six_faces(1, 0.05f));
+    EXPECT_EQ(six_faces(1, 0.25f).status(), Status::bad_data) << "opposite faces contradict";
+    EXPECT_TRUE(six_faces(1.05f, 0));
+    EXPECT_EQ(six_faces(1.2f, 0).status(), Status::bad_data) << "the range is not what was said";
 }
 
 TEST(AccelFit, RefusesWhatIsNoFace) {
@@ -201,6 +234,23 @@ TEST(Fits, AReadingThatIsNoNumberCountsForNothing) {
     EXPECT_FALSE(turn.result(0, 2)) << "a turn of which a part is missing";
 }
 
+TEST(MagFit, RefusesAnEllipsoidTooLong) {
+    const auto stretched = [](float by) {
+        Random random{7};
+        MagFit fit;
+        for (int i = 0; i < 600; ++i) {
+            const Vec3 d = 50.0f * direction(random);
+            fit.push({by * d.x, d.y, d.z});
+        }
+        return fit.result();
+    };
+    EXPECT_TRUE(stretched(1.5f));
+    EXPECT_TRUE(stretched(3.8f));
+    EXPECT_EQ(stretched(4.2f).status(), Status::bad_data);
+    EXPECT_TRUE(stretched(1 / 3.8f));
+    EXPECT_EQ(stretched(1 / 4.2f).status(), Status::bad_data);
+}
+
 TEST(MagFit, RefusesPoorCoverage) {
     Random random{6};
     const Magnet m;
@@ -214,8 +264,37 @@ TEST(MagFit, RefusesPoorCoverage) {
         flat.push((m.field_uT / norm(d)) * d + m.hard + noise(random, 0.4));
     }
     EXPECT_EQ(few.result().status(), Status::not_enough_data);
-    EXPECT_FALSE(flat.result());
-    EXPECT_FALSE(cap.result());
+    EXPECT_EQ(flat.result().status(), Status::not_enough_data);
+    EXPECT_EQ(cap.result().status(), Status::not_enough_data);
+}
+
+// Who has only begun to turn the board is told to go on, not that the readings are bad; and what is
+// accepted in the end keeps its word.
+TEST(MagFit, AsksForMoreDirectionsUntilTheCentreIsKnown) {
+    for (const double noise_uT : {0.1, 0.4, 1.0}) {
+        bool accepted = false;
+        for (double lowest = 0.95; lowest > -1; lowest -= 0.15) {  // a growing cap of the sphere
+            Random random{static_cast<std::uint64_t>(100 * (lowest + 1))};
+            const Magnet m;
+            MagFit fit;
+            for (int i = 0; i < 600; ++i) {
+                Vec3 d = direction(random);
+                while (static_cast<double>(d.z) < lowest) d = direction(random);
+                fit.push(m.field_uT * d + m.hard + noise(random, noise_uT));
+            }
+            const auto r = fit.result();
+            SCOPED_TRACE(testing::Message() << "noise " << noise_uT << ", cap above " << lowest);
+            if (!r) {
+                EXPECT_EQ(r.status(), Status::not_enough_data);
+                EXPECT_FALSE(accepted) << "more directions are not less";
+                continue;
+            }
+            accepted = true;
+            EXPECT_LT(norm(r->correction.offset - m.hard), 4 * r->offset_error_uT);
+            EXPECT_LE(r->offset_error_uT, 1.0f);
+        }
+        EXPECT_TRUE(accepted);
+    }
 }
 
 TEST(MagFit, RefusesWhatIsNoEllipsoid) {
@@ -223,7 +302,7 @@ TEST(MagFit, RefusesWhatIsNoEllipsoid) {
     MagFit fit;
     for (int i = 0; i < 500; ++i)
         fit.push(20.0f * (1 + std::abs(noise(random, 1).x)) * direction(random));
-    EXPECT_FALSE(fit.result());
+    EXPECT_EQ(fit.result().status(), Status::bad_data);
 }
 
 }  // namespace

@@ -72,8 +72,9 @@ class MagFit {
         const double noise2 = (left2 > 0 ? left2 : 0) / static_cast<double>(count_ - unknowns);
         MagCalibration out;
         out.residual = static_cast<float>(approx::sqrt(noise2) / (2 * approx::abs(k)));
-        out.offset_error_uT =
-            static_cast<float>(unit_uT * approx::sqrt(noise2 * centre_variance(l, a)));
+        const double spread = centre_variance(l, a);
+        out.offset_error_uT = static_cast<float>(unit_uT * approx::sqrt(noise2 * spread));
+        if (spread * static_cast<double>(count_) > spread_max) return Status::not_enough_data;
 
         Matrix root{};
         if (!square_root(shape, root)) return Status::bad_data;
@@ -84,16 +85,19 @@ class MagFit {
         out.correction.matrix = {narrowed(radius * root.x), narrowed(radius * root.y),
                                  narrowed(radius * root.z)};
         out.radius_uT = static_cast<float>(unit_uT * radius);
-        if (!is_finite(out.correction.offset) || !(out.residual <= residual_max) ||
-            stretch(shape) > static_cast<double>(stretch_max))
+        if (!is_finite(out.correction.offset) || !(out.residual <= residual_max))
             return Status::bad_data;
         if (!(out.offset_error_uT <= offset_error_max_uT)) return Status::not_enough_data;
+        if (stretch(shape) > static_cast<double>(stretch_max)) return Status::bad_data;
         return out;
     }
 
   private:
     static constexpr std::size_t unknowns = 9;
     static constexpr double unit_uT = 50;  // brings the sums near 1
+    // how far the directions alone blow up the centre's variance: 2 for a whole sphere, 100 for a
+    // half, 1e4 for a cap of 45 degrees; beyond, residuals cannot tell a sphere from anything
+    static constexpr double spread_max = 1e4;
     using Vector = BasicVec3<double>;
     using Matrix = BasicMat3<double>;
     using Row = std::array<double, unknowns>;
@@ -167,11 +171,20 @@ class MagFit {
         const Matrix again = root * root;
         return approx::abs(determinant(again) / determinant(m) - 1) < 1e-6;
     }
-    /// Longest over shortest half-axis, from above: the ratio of the norms of m^1/2 and m^-1/2.
+    /// Of a positive symmetric matrix: its powers, by squaring, turn into the projection on it.
+    static double largest_eigenvalue(const Matrix& m) noexcept {
+        constexpr int squarings = 8;  // the 256th power
+        const auto trace = [](const Matrix& a) { return a.x.x + a.y.y + a.z.z; };
+        Matrix power = (1 / trace(m)) * m;
+        for (int i = 0; i < squarings; ++i) {
+            power = power * power;
+            power = (1 / trace(power)) * power;
+        }
+        return trace(m * power);
+    }
+    /// Longest over shortest half-axis: the roots of m^-1's and of m's largest eigenvalue.
     static double stretch(const Matrix& m) noexcept {
-        const Matrix by = inverse(m);
-        const double long2 = by.x.x + by.y.y + by.z.z, short2 = m.x.x + m.y.y + m.z.z;
-        return approx::sqrt(long2 * short2) / 3;
+        return approx::sqrt(largest_eigenvalue(m) * largest_eigenvalue(inverse(m)));
     }
 
     Packed normal_{};
