@@ -3,11 +3,12 @@
    functions used are declared here.
 
    Arguments: out=FILE    one little-endian u32 a marked call, in the order of execution
-              heads=FILE  in: hexadecimal addresses, the first of which tells the calls that matter;
-                          replaced at exit by "address count", the most often that the instruction
-                          there ran in one such call
-   A translation block adds its length when it is entered; a marker corrects by its place in the
-   block. Blocks with markers therefore count exactly, as tests/target/calibrate.cpp checks. */
+              heads=FILE  in: lines "address size part", the first of which tells the calls that
+   matter; replaced at exit by "address count", the most often that the instruction there
+   (hexadecimal) ran in one such call, and "part number count", the most instructions of a part (1
+   to 8; 0 is none) in one such call, where every run of an address is worth its size A translation
+   block adds its length when it is entered; a marker corrects by its place in the block. Blocks
+   with markers therefore count exactly, as tests/target/calibrate.cpp checks. */
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -49,9 +50,13 @@ static uint64_t begun;   /* instructions executed up to and with the last begin 
 static bool open_call, on_arm;
 static FILE* out;
 
-enum { HEADS_MAX = 4096 };
-static struct head { uint64_t address, now, most; } heads[HEADS_MAX];
+enum { HEADS_MAX = 16384, PARTS_MAX = 8 };
+static struct head {
+    uint64_t address, now, most;
+    unsigned size, part;
+} heads[HEADS_MAX];
 static size_t heads_size;
+static uint64_t parts[PARTS_MAX + 1];
 static const char* heads_path;
 
 /* behind = instructions of the marker's block after the marker */
@@ -69,8 +74,13 @@ static void on_end(unsigned cpu, void* behind) {
     const uint64_t between = entered - (uintptr_t)behind - 1 - begun;
     const uint32_t count = between > UINT32_MAX ? UINT32_MAX : (uint32_t)between;
     fwrite(&count, sizeof count, 1, out);
+    uint64_t sums[PARTS_MAX + 1] = {0};
     for (size_t i = 0; heads[0].now > 0 && i < heads_size; ++i) {
         if (heads[i].now > heads[i].most) heads[i].most = heads[i].now;
+        sums[heads[i].part] += heads[i].now * heads[i].size;
+    }
+    for (size_t i = 1; i <= PARTS_MAX; ++i) {
+        if (sums[i] > parts[i]) parts[i] = sums[i];
     }
 }
 
@@ -100,8 +110,10 @@ static bool read_heads(const char* path) {
     FILE* file = fopen(path, "r");
     if (file == NULL) return false;
     heads_path = path;
-    while (heads_size < HEADS_MAX && fscanf(file, "%" SCNx64, &heads[heads_size].address) == 1)
-        ++heads_size;
+    for (struct head* h = heads; heads_size < HEADS_MAX; ++h, ++heads_size) {
+        if (fscanf(file, "%" SCNx64 " %u %u", &h->address, &h->size, &h->part) != 3) break;
+        if (h->part > PARTS_MAX) return false;
+    }
     fclose(file);
     return heads_size > 0 && heads_size < HEADS_MAX;
 }
@@ -111,6 +123,7 @@ static void write_heads(void) {
     if (file == NULL) return;
     for (size_t i = 0; i < heads_size; ++i)
         fprintf(file, "%" PRIx64 " %" PRIu64 "\n", heads[i].address, heads[i].most);
+    for (size_t i = 1; i <= PARTS_MAX; ++i) fprintf(file, "part %zu %" PRIu64 "\n", i, parts[i]);
     fclose(file);
 }
 

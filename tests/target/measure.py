@@ -133,7 +133,7 @@ def measure(core, subject, build, words, out):
         return {}, broken
     graph = paths.Graph(image, image.address["subject_push"])
     with open(out + ".heads", "w") as file:
-        file.writelines("%x\n" % a for a in graph.capped())
+        file.writelines(graph.capped())
     core.run(stem + ".elf", build, run_words(words, out), out + ".counts", out + ".heads")
     seen, streams = read_report(out + ".report")
     counts = read_words(out + ".counts")
@@ -141,10 +141,10 @@ def measure(core, subject, build, words, out):
         return {}, ["%d calls were counted" % len(counts)]
     result = {"core": core.name, "subject": subject, **seen, **facts, "streams": streams,
               **count_summary(streams, counts)}
-    caps = {int(a, 16): int(n) for a, n in (line.split() for line in open(out + ".heads"))}
+    caps, parts = paths.read_caps(out + ".heads")
     call = 1  # the instruction that calls the stage
-    result["push"]["bound"] = graph.bound(caps, out) + call
-    result["push"]["any_operands"] = graph.bound(caps, out, any_operands=True) + call
+    result["push"]["bound"] = graph.bound(caps, out, parts) + call
+    result["push"]["any_operands"] = graph.bound(caps, out, parts, any_operands=True) + call
     if result["stack"] > facts["stack_bound"]:
         broken.append("stack: %d bytes were used, the bound is %d" % (result["stack"], facts["stack_bound"]))
     if result["push"]["max"] > result["push"]["bound"]:

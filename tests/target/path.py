@@ -10,6 +10,22 @@ import re
 import subprocess
 
 
+# what a slice limits, one part a channel
+SLICED = re.compile(r"^_ZN?K?8fairlead\d+(?:Search|Fit|Landing)I.*?(VectorChannel|OrientationChannel)")
+
+
+def read_caps(path):
+    """{address: runs} and {part: instructions}, as the counting plugin left them."""
+    caps, parts = {}, {}
+    for line in open(path):
+        words = line.split()
+        if words[0] == "part":
+            parts[int(words[1])] = int(words[2])
+        else:
+            caps[int(words[0], 16)] = int(words[1])
+    return caps, parts
+
+
 class Graph:
     """Basic blocks of all code that the root can come to."""
 
@@ -46,10 +62,15 @@ class Graph:
         self.entries = {root} | set(self.calls)
         self.heads, self.back = self.loop_heads()
         self.branches = [b for b in self.size if image.is_helper(b) and b not in self.back]
+        found = {b: SLICED.search(image.home(b)) for b in self.size}
+        names = sorted({f[1] for f in found.values() if f})
+        self.part = {b: names.index(f[1]) + 1 if f else 0 for b, f in found.items()}
 
     def capped(self):
-        """Addresses whose runs must be counted; the first tells the calls that matter."""
-        return [self.root] + self.heads + self.branches
+        """Lines for the counting plugin: whose runs must be counted; the first tells the calls that matter."""
+        counted = [self.root] + self.heads + self.branches
+        counted += [b for b in self.size if self.part[b] and b not in self.back]
+        return ["%x %d %d\n" % (b, self.size[b], self.part[b]) for b in counted]
 
     def loop_heads(self):
         """Targets of edges that lead back up a depth-first walk: every cycle runs through one."""
@@ -82,8 +103,8 @@ class Graph:
             todo += self.next[block]
         return not self.back[head] & seen
 
-    def bound(self, caps, work, any_operands=False):
-        """Most instructions from the root's entry to its return. caps: block -> runs per push."""
+    def bound(self, caps, work, parts=None, any_operands=False):
+        """Most instructions from the root's entry to its return. caps: block -> runs per push, parts: part -> instructions."""
         into = {b: [] for b in self.size}
         called = {callee: ["%s%x" % ("c" if b in self.detouring else "b", b) for b in callers]
                   for callee, callers in self.calls.items()}
@@ -100,6 +121,10 @@ class Graph:
                 lines += [" b%x - %s >= 0" % (block, v) for v in out + ["c%x" % block]]
             elif out:
                 lines.append(" b%x %s %s 0" % (block, "".join(" - " + e for e in out), ">=" if block in self.returning else "="))
+        for number, cap in (parts or {}).items():
+            terms = ["%d b%x" % (s, b) for b, s in self.size.items() if self.part[b] == number]
+            if terms:
+                lines.append(" %s <= %d" % (" + ".join(terms), cap))
         for block in [] if any_operands else self.branches:
             lines.append(" b%x <= %d" % (block, caps[block]))
         for head in self.heads:
