@@ -21,7 +21,7 @@ streams are those of `tests/target/streams/`; [docs/target.md](docs/target.md) s
 - **stack used**: deepest use seen on a painted stack, in bytes. **stack bound**: deepest path through the linked code.
 - **min, mean, worst found**: instructions of one `push`, the call and every assertion included, counted in the emulator.
   Instructions, not cycles. **bound**: the dearest path through the linked code that keeps the loop counts, the search's
-  slice of work, and within the compiler's own helpers (soft floating point) the counts of their branches. **any operands**: the same with every helper at
+  slice of work, the bits of a frame, and within the compiler's own helpers (soft floating point) the counts of their branches. **any operands**: the same with every helper at
   the dearest operands there are, all at once.
 - **flush worst**: instructions of the dearest `flush`, which runs only at the end of a recording.
 - **latency**: in records. **error**: the largest on the streams hand-motion, rest-and-go and straight. Of arithmetic, against

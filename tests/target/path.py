@@ -10,8 +10,9 @@ import re
 import subprocess
 
 
-# what a slice limits, one part a channel
-SLICED = re.compile(r"^_ZN?K?8fairlead\d+(?:Search|Fit|Landing)I.*?(VectorChannel|OrientationChannel)")
+# what a slice limits, one part a channel; and the bits of frames
+BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?:Search|Fit|Landing)I.*?(?P<channel>VectorChannel|OrientationChannel)|"
+                      r"(?P<wire>wire|BitReader|BitWriter))")
 
 
 def read_caps(path):
@@ -62,9 +63,9 @@ class Graph:
         self.entries = {root} | set(self.calls)
         self.heads, self.back = self.loop_heads()
         self.branches = [b for b in self.size if image.is_helper(b) and b not in self.back]
-        found = {b: SLICED.search(image.home(b)) for b in self.size}
-        names = sorted({f[1] for f in found.values() if f})
-        self.part = {b: names.index(f[1]) + 1 if f else 0 for b, f in found.items()}
+        found = {b: BUDGETED.search(image.home(b)) for b in self.size}
+        names = [None] + sorted({f[f.lastgroup] for f in found.values() if f})
+        self.part = {b: names.index(f and f[f.lastgroup]) for b, f in found.items()}
 
     def capped(self):
         """Lines for the counting plugin: whose runs must be counted; the first tells the calls that matter."""

@@ -11,7 +11,7 @@ import random
 from measure import Core, read_report, read_words
 
 KINDS = "rest line walk noise zigzag flip gap jitter tiny huge wild".split()
-RECORDS_MAX, BATCH, PARENTS = 700, 24, 8
+RECORDS_MAX, BATCH, PARENTS = 300, 24, 8
 
 
 class Recipe:
