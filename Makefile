@@ -152,6 +152,20 @@ gateway-measure: setup-gateway ## the figures of docs/gateway.md: a quarter of a
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-gateway-measure
 	@set -e; for what in torn load history noise restart '--seconds 600 memory'; do \
 	    echo "fairlead-gateway-measure $$what"; $(BUILD)/fairlead-gateway-measure $$what; done
+$(BUILD)/firmware-motion: $(call objects,tests/gateway/firmware/motion.cpp) $(BUILD)/libsim.a
+	$(CXX) $(HOST) $^ -o $@
+.PHONY: gateway-firmware gateway-sanitize
+gateway-firmware: setup-gateway setup-target ## the firmware image under QEMU, its UART into the gateway, a client rebuilds
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll $(BUILD)/firmware-motion
+	@$(TARGET) BUILD=$(BUILD)/target $(BUILD)/target/firmware/firmware.elf
+	@tests/gateway/firmware/run.py $(BUILD)
+gateway-sanitize: setup-clang setup-gateway setup-test ## the gateway's tests and a hostile minute under ASan with UBSan, and under TSan
+	@set -e; for what in address,undefined thread; do b=build/sanitize-$${what%%,*}; \
+	    $(MAKE) BUILD=$$b CXX=clang++ OPT=-O1 EXTRA="-fsanitize=$$what -fno-sanitize-recover=all" \
+	        $$b/tests/gateway $$b/fairlead-gateway $$b/fairlead-gateway-measure; \
+	    tests/run $$b/tests/gateway; \
+	    for run in '--growth 100000 memory' noise restart; do \
+	        $$b/fairlead-gateway-measure --gateway $$b/fairlead-gateway --seconds 20 $$run; done; done; echo "ok gateway-sanitize"
 .PHONY: registers
 registers:       ## write docs/registers.md and the client configurations from the register map
 registers: $(BUILD)/fairlead-registers

@@ -6,8 +6,8 @@
 // against each other, so that the driver then empties it and says so (overrun, then gap_before).
 // The magnetometer of the 9250 family stands behind a bypass: Config::bypass connects it to the
 // bus. Source: RM-MPU-6000A, RM-MPU-9250A, and the self-test notes of both. start(): at most 125
-// transactions and 105 ms of pauses; of a chip that resets in the typical 11 ms, 36 and 16 ms. After
-// a brown-out, told by two registers, no reset is added to the chip's own.
+// transactions and 105 ms of pauses; of a chip that resets in the typical 11 ms, 36 and 16 ms.
+// After a brown-out, told by two registers, no reset is added to the chip's own.
 #include <cstddef>
 #include <cstdint>
 
