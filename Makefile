@@ -140,6 +140,9 @@ $(BUILD)/fairlead-%: $(BUILD)/obj/examples/gateway/%_main.o $(BUILD)/libgateway.
 GATEWAY_MEASURE := $(sort $(wildcard tests/gateway/measure/*.cpp))
 $(BUILD)/fairlead-gateway-measure: $(call objects,$(GATEWAY_MEASURE)) $(BUILD)/libgateway.a $(BUILD)/libport.a $(BUILD)/libsim.a
 	$(CXX) $(HOST) $^ $(GATEWAY_LIBS) -o $@
+$(BUILD)/count_allocations.so: tests/gateway/measure/count_allocations.c
+	@mkdir -p $(@D)
+	gcc -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC $< -o $@
 .PHONY: gateway
 gateway: setup-build setup-gateway ## build the gateway and its reader: build/fairlead-gateway, build/fairlead-poll
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll
@@ -149,8 +152,8 @@ gateway-peers: setup-gateway setup-modbus-peers ## other people's Modbus clients
 	@/usr/bin/python3 tests/gateway/service.py $(BUILD)
 	@/usr/bin/python3 tests/gateway/peers.py $(BUILD)
 gateway-measure: setup-gateway ## the figures of docs/gateway.md: a quarter of an hour
-	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-gateway-measure
-	@set -e; for what in torn load history noise restart '--seconds 600 memory'; do \
+	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so
+	@set -e; for what in torn load history noise noise-table restart '--seconds 20 allocations' '--seconds 600 memory'; do \
 	    echo "fairlead-gateway-measure $$what"; $(BUILD)/fairlead-gateway-measure $$what; done
 $(BUILD)/firmware-motion: $(call objects,tests/gateway/firmware/motion.cpp) $(BUILD)/libsim.a
 	$(CXX) $(HOST) $^ -o $@

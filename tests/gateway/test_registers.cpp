@@ -3,8 +3,10 @@
 
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <set>
+#include <sstream>
 #include <string>
 
 #define TOML_HEADER_ONLY 1
@@ -83,6 +85,55 @@ TEST(RegisterMap, TelegrafConfigurationKeepsToItsDocumentedSchema) {
         }
         EXPECT_LE(next - first, 125);
     }
+}
+
+/// Keys and values as homeassistant/components/modbus/__init__.py has them in its schema.
+TEST(RegisterMap, HomeAssistantConfigurationKeepsToItsDocumentedSchema) {
+    std::istringstream in{map_home_assistant()};
+    const std::set<std::string> keys{"name",      "unique_id",     "slave",
+                                     "address",   "input_type",    "data_type",
+                                     "precision", "scan_interval", "unit_of_measurement"};
+    const std::map<std::string, reg::Type> types{
+        {"uint16", reg::Type::u16}, {"uint32", reg::Type::u32},  {"uint64", reg::Type::u64},
+        {"int64", reg::Type::i64},  {"float32", reg::Type::f32}, {"string", reg::Type::text}};
+    std::set<std::string> ids;
+    std::map<std::string, std::string> sensor;
+    std::size_t sensors = 0;
+    const auto finish = [&] {
+        if (sensor.empty()) return;
+        ++sensors;
+        const std::string name = sensor["name"].substr(sensor["name"].rfind(' ') + 1);
+        const reg::Field& row = reg::field(name.substr(0, name.find('"')));
+        EXPECT_EQ(std::stoi(sensor["address"]), row.address);
+        ASSERT_EQ(types.count(sensor["data_type"]), 1u) << sensor["data_type"];
+        EXPECT_EQ(types.at(sensor["data_type"]), row.type);
+        EXPECT_EQ(sensor["input_type"], "holding");
+        EXPECT_EQ(sensor["slave"], "1");
+        EXPECT_GE(std::stoi(sensor["scan_interval"]), 1);
+        EXPECT_TRUE(ids.insert(sensor["unique_id"]).second);
+        sensor.clear();
+    };
+    std::set<std::string> hub;
+    for (std::string line; std::getline(in, line);) {
+        if (line.empty() || line[0] == '#') continue;
+        const std::size_t at = line.find_first_not_of(' ');
+        const bool item = line.compare(at, 2, "- ") == 0;
+        const std::size_t from = item ? at + 2 : at;
+        const std::size_t colon = line.find(':', from);
+        ASSERT_NE(colon, std::string::npos) << line;
+        const std::string key = line.substr(from, colon - from);
+        if (from < 8) {
+            hub.insert(key);
+            continue;
+        }
+        EXPECT_EQ(from, 8u) << line;
+        if (item) finish();
+        EXPECT_EQ(keys.count(key), 1u) << key;
+        sensor[key] = line.substr(std::min(line.size(), colon + 2));
+    }
+    finish();
+    EXPECT_GT(sensors, 20u);
+    EXPECT_EQ(hub, (std::set<std::string>{"modbus", "name", "type", "host", "port", "sensors"}));
 }
 
 class UnitTableTest : public ::testing::Test {
