@@ -44,7 +44,7 @@ std::uint64_t unit_word(Client& client, const char* name) {
 // ---- torn reads
 
 /// One unit in front of the real table and server; its state is written at 1 kHz from elsewhere.
-class OneUnit : public port::RegisterBank {
+class OneUnit final : public port::RegisterBank {
   public:
     OneUnit() {
         server_.counters = &counters;
