@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "fairlead/smooth/strain.hpp"
@@ -168,6 +169,34 @@ TEST(Strain, no_step_raises_the_cost) {
             ASSERT_LE(cost, before * (1 + 1e-5)) << rate << " rad/s, step " << steps;
             before = cost;
         }
+    }
+}
+
+/// Any rotation at all follows any other: now and then a full step would raise the cost.
+TEST(Strain, a_step_that_is_too_long_is_halved) {
+    for (unsigned seed = 1; seed <= 8; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random{seed};
+        std::normal_distribution<double> normal{0, 2.2};
+        std::vector<Pose> raw(60);
+        for (std::size_t i = 0; i < raw.size(); ++i) {
+            const double x = normal(random), y = normal(random), z = normal(random);
+            raw[i].t_ns = static_cast<std::int64_t>(i) * 8'333'333;
+            raw[i].flags = flag::orientation_valid;
+            raw[i].q_wb = to_float(exp_d(Vector3d(x, y, z)));
+        }
+        const StrainOrientations reference(raw, 2, step_s);
+        double before = reference.cost(reference.raw());
+        const double first = before;
+        for (const std::size_t steps : {1u, 2u, 4u, 8u, 16u, 40u}) {
+            std::vector<Quaterniond> q;
+            for (const auto& pose : smoothed(raw, params_at(2, steps)))
+                q.push_back(to_double(pose.q_wb));
+            const double cost = reference.cost(q);
+            ASSERT_LE(cost, before * (1 + 1e-5)) << steps << " steps";
+            before = cost;
+        }
+        EXPECT_LT(before, 2e-4 * first) << "the steps stopped half-way";
     }
 }
 
