@@ -163,7 +163,7 @@ gateway-firmware: setup-gateway setup-target ## the firmware image under QEMU, i
 	@$(TARGET) BUILD=$(BUILD)/target $(BUILD)/target/firmware/firmware.elf
 	@tests/gateway/firmware/run.py $(BUILD)
 gateway-sanitize: setup-clang setup-gateway setup-test ## the gateway's tests and a hostile minute under ASan with UBSan, and under TSan
-	@set -e; for what in address,undefined thread; do b=build/sanitize-$${what%%,*}; \
+	@set -e; export TSAN_OPTIONS=halt_on_error=1; for what in address,undefined thread; do b=build/sanitize-$${what%%,*}; \
 	    $(MAKE) BUILD=$$b CXX=clang++ OPT=-O1 EXTRA="-fsanitize=$$what -fno-sanitize-recover=all" \
 	        $$b/tests/gateway $$b/fairlead-gateway $$b/fairlead-gateway-measure; \
 	    tests/run $$b/tests/gateway; \
