@@ -382,6 +382,37 @@ TEST(Attitude, SettlesOnlyWhenBothAnglesAreKnown) {
     EXPECT_GT(fresh.heading_sigma(), 0.5f);
 }
 
+TEST(Attitude, ReportsWhatNoRestCanTell) {
+    World world;
+    world.still_s = 1e9;
+    Motion motion{world};
+    AttitudeParams params;
+    Attitude filter{params};
+    while (motion.time() < 300) filter.push(motion.next());
+    // the zero of the accelerometer on both axes, and magnetic north: all that is left
+    const float tilt = params.sigma_scale * std::sqrt(2.0f) * params.accel_offset_m_s2 / 9.81f;
+    EXPECT_GE(filter.inclination_sigma(), tilt);
+    EXPECT_LT(filter.inclination_sigma(), 1.3f * tilt);
+    EXPECT_GE(filter.heading_sigma(), params.sigma_scale * params.field_offset);
+    EXPECT_LT(filter.heading_sigma(), 2 * params.sigma_scale * params.field_offset);
+}
+
+TEST(Attitude, LevelsUpsideDown) {
+    Attitude filter;
+    Sample s;
+    s.flags = flag::gyro_valid | flag::accel_valid | flag::mag_valid;
+    s.accel_m_s2 = {0, 0, -9.81f};
+    s.mag_uT = {0, 18, 42};
+    for (int i = 0; i < 1000; ++i) {
+        s.t_ns += period_ns;
+        const auto pose = filter.push(s);
+        const Vec3 up_b = rotate(conj(pose->q_wb), Vec3{0, 0, 1});
+        const Vec3 north_b = rotate(conj(pose->q_wb), Vec3{0, 1, 0});
+        ASSERT_NEAR(up_b.z, -1, 1e-5f) << i;
+        ASSERT_NEAR(north_b.y, 1, 1e-4f) << i;
+    }
+}
+
 TEST(Attitude, AGapIsPassedOn) {
     Motion motion{World{}};
     Attitude filter;
