@@ -39,8 +39,8 @@ def copy_tree(to):
 
 
 def check(tree):
-    command = ["make", "-s", "-Otarget", "-j%d" % os.cpu_count(), "-f", "tests/target/target.mk", "CORES=gcc-O2 m4f", "SUBJECTS=none quat", "same-bits", "bounds",
-               "ROWS=1"]
+    command = ["make", "-s", "-Otarget", "-j%d" % os.cpu_count(), "-f", "tests/target/target.mk", "CORES=gcc-O2 m4f",
+               "SUBJECTS=none quat", "same-bits", "bounds", "ROWS=1"]
     env = {k: v for k, v in os.environ.items() if not k.startswith("MAKE") and k != "MFLAGS"}
     done = subprocess.run(command, cwd=tree, capture_output=True, text=True, env=env)
     return done.returncode == 0, done.stdout + done.stderr

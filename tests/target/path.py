@@ -11,8 +11,8 @@ import subprocess
 
 
 # what a slice limits, one part a channel; and the bits of frames
-BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?:Search|Fit|Landing)I.*?(?P<channel>VectorChannel|OrientationChannel)|"
-                      r"(?P<wire>wire|BitReader|BitWriter))")
+BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?:Search|Fit|Landing)I.*?(VectorChannel|OrientationChannel)|"
+                      r"(?:wire|BitReader|BitWriter))")
 
 
 def read_caps(path):
@@ -64,8 +64,9 @@ class Graph:
         self.heads, self.back = self.loop_heads()
         self.branches = [b for b in self.size if image.is_helper(b) and b not in self.back]
         found = {b: BUDGETED.search(image.home(b)) for b in self.size}
-        names = [None] + sorted({f[f.lastgroup] for f in found.values() if f})
-        self.part = {b: names.index(f and f[f.lastgroup]) for b, f in found.items()}
+        part = {b: (f[1] or "frames") if f else "" for b, f in found.items()}
+        names = [""] + sorted(set(part.values()) - {""})
+        self.part = {b: names.index(name) for b, name in part.items()}
 
     def capped(self):
         """Lines for the counting plugin: whose runs must be counted; the first tells the calls that matter."""
