@@ -10,9 +10,9 @@ import re
 import subprocess
 
 
-# what a slice limits, one part a channel; and the bits of frames
-BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?:Search|Fit|Landing)I.*?(VectorChannel|OrientationChannel)|"
-                      r"(?:wire|BitReader|BitWriter))")
+# what slices limit (all that is charged to them), and what the bits of frames limit
+BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?P<search>(?:Search|Fit|Landing|Polynomial)I)|"
+                      r"(?P<frames>wire|BitReader|BitWriter))")
 
 
 def read_caps(path):
@@ -64,9 +64,7 @@ class Graph:
         self.heads, self.back = self.loop_heads()
         self.branches = [b for b in self.size if image.is_helper(b) and b not in self.back]
         found = {b: BUDGETED.search(image.home(b)) for b in self.size}
-        part = {b: (f[1] or "frames") if f else "" for b, f in found.items()}
-        names = [""] + sorted(set(part.values()) - {""})
-        self.part = {b: names.index(name) for b, name in part.items()}
+        self.part = {b: ("search", "frames").index(f.lastgroup) + 1 if f else 0 for b, f in found.items()}
 
     def capped(self):
         """Lines for the counting plugin: whose runs must be counted; the first tells the calls that matter."""
