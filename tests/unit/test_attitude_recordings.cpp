@@ -46,6 +46,14 @@ TEST(AttitudeOnRecordings, KeepsItsBounds) {
     EXPECT_LE(mean_total(all, fast), 1.90);
     sparse.every = 3;
     EXPECT_LE(mean_total(all, sparse), 1.95);
+    double moving = 0;
+    for (const Recording& r : all) {
+        Conditions late;
+        late.start_s = movement_start_s(r);
+        const auto estimate = run_attitude(r, AttitudeMode::imu_mag, {}, late);
+        moving += score(r, estimate, late.start_s).total_deg;
+    }
+    EXPECT_LE(moving / static_cast<double>(all.size()), 2.80);
 }
 
 Recording turned_recording() {
