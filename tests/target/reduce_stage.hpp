@@ -2,6 +2,7 @@
 // A reducer by itself, driven as the encoder drives it. What it gives: the curve after each step.
 #include "fairlead/reduce/channel.hpp"
 #include "fairlead/reduce/reducer.hpp"
+#include "fairlead/wire/encoder.hpp"
 #include "tests/target/subject.hpp"
 
 namespace fairlead::target {
@@ -27,7 +28,7 @@ void mix(Digest& d, const Reduced<Reduction>& out) noexcept {
         mix(d, n);
 }
 
-template <class Channel, std::size_t N, std::uint32_t Slice = 4>
+template <class Channel, std::size_t N, Credit Slice = slice_medium>
 struct ReduceStage {
     static constexpr unsigned latency = N;  // at most: delay_max
     static constexpr bool takes_samples = false;
@@ -36,7 +37,8 @@ struct ReduceStage {
     using Output = Reduced<Reduction>;
     Reduction reducer;
 
-    explicit ReduceStage(const typename Channel::Tolerance& tol) : reducer{{tol, 4000000, N}} {}
+    explicit ReduceStage(const typename Channel::Tolerance& tol)
+        : reducer{{tol, 4000000, N, N / 2}} {}
 
     template <class Value>
     std::optional<Output> push(const Pose& pose, bool valid, bool gap, const Value& value) {
@@ -44,22 +46,23 @@ struct ReduceStage {
             reducer.push(pose.t_ns, value, gap);
         else
             reducer.skip();
-        reducer.work(Slice);
+        reducer.work(Slice, reducer.closing());
         std::optional<Output> out;
-        constexpr int advances_max = 3;  // as many as the encoder makes frames
-        for (int i = 0; i < advances_max && reducer.due(); ++i) out = advanced(N / 2);
+        constexpr int takes_max = 2;  // as many as the encoder makes frames
+        for (int i = 0; i < takes_max && reducer.due(); ++i) out = taken();
         return out;
     }
     std::optional<Output> flush() {
         if (reducer.empty()) return std::nullopt;
-        return advanced(0);
+        reducer.work(Slice, true);
+        reducer.close();
+        return taken();
     }
 
   private:
-    Output advanced(std::uint32_t goal) {
+    Output taken() {
         const auto& counters = reducer.counters();
-        return {reducer.advance(goal), counters.knots, counters.curves, counters.breaks,
-                counters.refused};
+        return {reducer.take(), counters.knots, counters.curves, counters.breaks, counters.refused};
     }
 };
 

@@ -25,15 +25,16 @@ struct NoFilter {
 /// What a configuration names; derive from it or write your own.
 struct PipelineConfig {
     using Filter = NoFilter;
-    static constexpr std::size_t window = 64;  // ring capacity of the reducers, in records
-    static constexpr std::size_t events = 8;   // discrete events that may wait for a record
+    static constexpr std::size_t window = 64;      // ring capacity of the reducers, in records
+    static constexpr Credit slice = slice_medium;  // search per push and channel: wire/encoder.hpp
+    static constexpr std::size_t events = 8;       // discrete events that may wait for a record
 };
 
 template <class Config>
 class Pipeline {
   public:
     using Filter = typename Config::Filter;
-    using Encoding = Encoder<Config::window, Config::events>;
+    using Encoding = Encoder<Config::window, Config::slice, Config::events>;
     struct Params {
         IntakeParams intake{};
         Filter filter{};

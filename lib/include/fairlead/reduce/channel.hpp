@@ -41,12 +41,6 @@ struct VectorChannel {
 
     static const Value& continued(const Value&, const Value& v) noexcept { return v; }
 
-    static std::array<float, D> coordinates(const Value& v, const Scale& s) noexcept {
-        std::array<float, D> x;
-        for (std::size_t d = 0; d < D; ++d) x[d] = v[d] * power_of_two(-s.exponent[d]);
-        return x;
-    }
-
     static Value value(const std::array<float, D>& units, const Scale& s) noexcept {
         Value v;
         for (std::size_t d = 0; d < D; ++d) v[d] = units[d] * s.unit(d);
@@ -72,13 +66,21 @@ struct VectorChannel {
 
         std::array<float, D> limit{};      // signal units, a rounding margin below the tolerance
         std::array<float, D> per_limit{};  // 1 / tolerance in curve units
+        std::array<float, D> per_unit{};   // 1 / unit
 
         Judge() = default;
         Judge(const Tolerance& tol, const Scale& s) noexcept {
             for (std::size_t d = 0; d < D; ++d) {
+                per_unit[d] = power_of_two(-s.exponent[d]);
                 limit[d] = tol[d] * (1 - 1.0f / (1 << 19));
                 per_limit[d] = s.unit(d) / tol[d];
             }
+        }
+
+        std::array<float, D> coordinates(const Value& v) const noexcept {
+            std::array<float, D> x;
+            for (std::size_t d = 0; d < D; ++d) x[d] = v[d] * per_unit[d];
+            return x;
         }
 
         /// The exact test, on the value that a decoder will give out.
@@ -139,11 +141,6 @@ struct OrientationChannel {
         return same_side(before, q);
     }
 
-    static Vector coordinates(const Quat& q, const Scale& s) noexcept {
-        const float per_unit = power_of_two(-s.exponent);
-        return {q.w * per_unit, q.x * per_unit, q.y * per_unit, q.z * per_unit};
-    }
-
     static Quat value(const Vector& p, const Scale&) noexcept {
         return normalised(Quat{p[0], p[1], p[2], p[3]});
     }
@@ -168,7 +165,7 @@ struct OrientationChannel {
         float per_chord{};   // 1 / chord at the tolerance
         Vector per_limit{};  // 1 / tolerance in curve units
         Vector limit{};      // tolerance on S^3
-        float unit{1};
+        float unit{1}, per_unit{1};
 
         Judge() = default;
         Judge(Tolerance tol, const Scale& s) noexcept {
@@ -177,8 +174,13 @@ struct OrientationChannel {
             chord2 = kept * kept;
             per_chord = 1 / chord;
             unit = s.unit();
+            per_unit = 1 / unit;
             per_limit.fill(unit / (tol / 2));
             limit.fill(tol / 2);
+        }
+
+        Vector coordinates(const Quat& q) const noexcept {
+            return {q.w * per_unit, q.x * per_unit, q.y * per_unit, q.z * per_unit};
         }
 
         bool accepts(const Quat& decoded, const Quat& sample) const noexcept {

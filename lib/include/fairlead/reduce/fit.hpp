@@ -1,95 +1,24 @@
 #pragma once
-// Least squares of the window on a spline that continues a given polynomial, driven towards the
-// largest errors.
+// Banded least squares of a plan's jumps, reweighted towards the largest error, in small portions.
 //
-// Beyond its head the curve is a polynomial P plus a jump of the highest coefficient at each later
-// knot. As unknowns the jumps are hopelessly conditioned; the same functions are spanned by the
-// B-splines whose first Order - 1 coefficients are zero (they leave P as it is at the first knot),
-// which give a banded, well-conditioned system. Where the plain fit leaves the tolerance, Lawson's
-// reweighting [C. L. Lawson 1961: weights times error, again] moves it towards the smallest largest
-// error. Cost per pass: about 100 instructions per sample beyond the head and 300 per free knot (D
-// = 3, Order = 4).
+// The knots of a plan's head stay as they are; beyond, the curve is a C^(Order - 2) continuation.
+// Its B-splines have the first Order - 1 control points given (the blossom of the polynomial that
+// is continued), which turns the ill-conditioned problem of jumps into a banded system that float
+// solves. Errors are those of the polynomials that would be frozen, at every sample. Weights after
+// Lawson: multiplied by the error, so that the fit leans towards the smallest largest error.
+// A fit may be interrupted after any sample and any row; what it has used up is counted in
+// instructions of a Cortex-M4F, about. RAM: sizeof; no loop runs further than window and knots.
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/reduce/plan.hpp"
 #include "fairlead/reduce/window.hpp"
 
 namespace fairlead {
 
-/// Planned knots beyond the frozen polynomial, in ticks after its knot.
-template <class Channel, std::size_t MaxKnots>
-struct Plan {
-    static constexpr std::size_t D = Channel::dimension;
-    static constexpr std::size_t Order = Channel::order;
-
-    std::size_t size{0};
-    std::array<std::int32_t, MaxKnots> knot{};
-    std::array<std::array<float, D>, MaxKnots> jump{};  // of the coefficient of u^(Order - 1)
-    std::array<std::array<float, D>, Order> start{};    // free start: coefficients at the start
-    float worst{0};           // largest error beyond the head, 1 = tolerance
-    std::size_t worst_at{0};  // and the sample where it stands
-    float objective{0};       // sum of squared errors of the plain fit beyond the head
-    std::size_t landing{0};   // this many of the last knots bring the curve to rest
-    std::size_t covers{0};    // leading samples of the window within tolerance
-
-    void insert(std::int32_t at) noexcept {
-        std::size_t i = size;
-        for (; i > 0 && knot[i - 1] > at; --i) {
-            knot[i] = knot[i - 1];
-            jump[i] = jump[i - 1];
-        }
-        knot[i] = at;
-        jump[i] = {};
-        ++size;
-    }
-    void erase(std::size_t i) noexcept {
-        for (; i + 1 < size; ++i) {
-            knot[i] = knot[i + 1];
-            jump[i] = jump[i + 1];
-        }
-        --size;
-    }
-};
-
-/// Values that the signal may take after the window: weak pseudo-samples that keep a plan from
-/// running away beyond its data.
-template <class Channel, std::size_t Count>
-struct Future {
-    std::size_t size{0};
-    std::array<float, Count> u{};
-    std::array<std::array<float, Channel::dimension>, Count> x{};
-    std::array<float, Count> weight{};
-};
-
-/// A walk along the polynomials of a plan.
-template <class Channel, std::size_t MaxKnots>
-struct PlanWalk {
-    static constexpr std::size_t D = Channel::dimension;
-    static constexpr std::size_t Order = Channel::order;
-
-    Polynomial<D, Order> p;
-    float origin{0};      // tick that p is about
-    std::size_t next{0};  // the next knot
-
-    PlanWalk(const Polynomial<D, Order>& frozen, bool free,
-             const Plan<Channel, MaxKnots>& plan) noexcept
-        : p{frozen} {
-        if (free) p.c = plan.start;
-    }
-    void pass_knot(const Plan<Channel, MaxKnots>& plan) noexcept {
-        const auto knot = static_cast<float>(plan.knot[next]);
-        p = p.shifted(knot - origin);
-        origin = knot;
-        for (std::size_t d = 0; d < D; ++d) p.c[Order - 1][d] += plan.jump[next][d];
-        ++next;
-    }
-    /// Value at u, which must not fall. The knots between are passed: at most MaxKnots in all.
-    std::array<float, D> at(float u, const Plan<Channel, MaxKnots>& plan) noexcept {
-        while (next < plan.size && static_cast<float>(plan.knot[next]) < u) pass_knot(plan);
-        return p(u - origin);
-    }
-};
+/// Work that may still be done in this push, in instructions of a Cortex-M4F, about.
+using Credit = std::int32_t;
 
 template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizons>
 class Fit {
@@ -100,9 +29,10 @@ class Fit {
     using KnotPlan = Plan<Channel, MaxKnots>;
     using Walk = PlanWalk<Channel, MaxKnots>;
     using Ahead = Future<Channel, Horizons>;
+    using Vector = std::array<float, D>;
 
     struct Problem {
-        const Samples& samples;
+        Samples& samples;   // weights and errors are noted there
         std::size_t count;  // samples to serve, from the front
         const Ahead& ahead;
         const Polynomial<D, Order>& frozen;
@@ -110,66 +40,82 @@ class Fit {
         bool free;  // nothing is frozen yet: the fit may leave `frozen` from u = 0 on
     };
 
-    /// Fits the jumps of the knots after the first `head`, which stay as they are; fills the rest
-    /// of the plan. The samples that the head serves are taken as served.
-    /// @return whether every sample is within `limit` times the tolerance.
-    bool operator()(const Problem& problem, std::size_t head, std::size_t passes, float limit,
-                    KnotPlan& plan) noexcept {
+    bool busy() const noexcept { return phase_ != Phase::done; }
+    /// Is every sample within the limit?
+    bool succeeded() const noexcept { return succeeded_; }
+    void cancel() noexcept { phase_ = Phase::done; }
+
+    /// Begins to fit the jumps of the knots after the first `head`, which stay as they are; fills
+    /// the rest of the plan. The samples that the head serves are taken as served.
+    void start(const Problem& problem, std::size_t head, std::size_t passes, float limit,
+               KnotPlan& plan) noexcept {
         plan.landing = 0;
-        set_base(problem, head, plan);
+        if (head == 0) plan.settled = -1;
+        open(problem, head, passes, limit, plan);
         if (fixed_ != 0 && plan.size == head) {
-            check_beyond(problem, limit, plan);
-            plan.objective = objective_;
-            return plan.covers == problem.count;
+            passes_ = 0;
+            return start_check(plan);
         }
         lay_knots(problem, plan);
-        for (std::size_t i = first_; i < problem.count; ++i) weight_[i] = 1;
-        float future = 1, best = 1e30f;
-        for (std::size_t pass = 0;; ++pass) {
-            solve(problem, future);
-            to_jumps(plan);
-            check_beyond(problem, limit, plan);
-            if (pass == 0) plan.objective = objective_ + misfit(problem, plan);
-            if (plan.covers == problem.count) return true;
-            best = plan.worst < best ? plan.worst : best;
-            if (pass >= passes || plan.worst > 4) break;
-            // the weighted mean square is a lower bound of the squared minimax error
-            if (pass >= 2 &&
-                weighted_square(problem.count) > Channel::Judge::square_bound * limit * limit)
-                break;
-            if (pass >= 3 && best > 1 + 2.0f / static_cast<float>(pass)) break;
-            reweight(problem.count, plan.worst);
-            future *= 0.3f;
-        }
-        plan.worst = best;
-        return false;
+        scale_ = 0;
+        future_ = 1;
+        start_pass();
     }
 
-    /// Tests a plan as it stands. @return whether it serves all samples.
-    bool check(const Problem& problem, float limit, KnotPlan& plan) noexcept {
-        set_base(problem, 0, plan);
-        if (problem.free) base_.c = plan.start;
-        check_beyond(problem, limit, plan);
-        return plan.covers == problem.count;
+    /// Begins to test a plan as it stands.
+    void start_test(const Problem& problem, float limit, KnotPlan& plan) noexcept {
+        open(problem, 0, 0, limit, plan);
+        if (problem.free) walk_.p.c = plan.start;
+        start_check(plan);
     }
+
+    /// Goes on with what was begun, until it is done or the credit is used up.
+    void run(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept {
+        while (busy() && credit > 0) {
+            switch (phase_) {
+                case Phase::assemble: assemble(problem, credit); break;
+                case Phase::factor: factor(credit); break;
+                case Phase::substitute: substitute(plan, credit); break;
+                case Phase::check: check(problem, plan, credit); break;
+                case Phase::done: break;
+            }
+        }
+    }
+
+    /// The first n samples left the window.
+    void drop(std::size_t n) noexcept {
+        for (std::size_t* i : {&count_, &first_, &cursor_}) *i -= n < *i ? n : *i;
+        if (count_ == 0) cancel();
+    }
+
+    // what a portion costs, in instructions of a Cortex-M4F, about
+    static constexpr Credit visit_cost = 60 + 25 * D, test_cost = 30 + 16 * D,
+                            span_cost = 250 + 30 * D, row_cost = 60 + 30 * D;
 
   private:
+    enum class Phase : std::uint8_t { done, assemble, factor, substitute, check };
     static constexpr std::size_t Unknowns = MaxKnots + Order;
-    using Vector = std::array<float, D>;
+    static constexpr std::size_t Pairs = Order * (Order + 1) / 2;
 
-    /// The polynomial that is continued, and what the samples beyond leave of it.
-    void set_base(const Problem& problem, std::size_t head, const KnotPlan& plan) noexcept {
+    void open(const Problem& problem, std::size_t head, std::size_t passes, float limit,
+              const KnotPlan& plan) noexcept {
         fixed_ = problem.free && head == 0 ? 0 : Order - 1;
         head_ = head;
-        Walk walk{problem.frozen, problem.free && head > 0, plan};
-        for (std::size_t q = 0; q < head; ++q) walk.pass_knot(plan);
-        base_ = walk.p;
-        origin_ = walk.origin;
+        passes_ = passes;
+        limit_ = limit;
+        count_ = problem.count;
+        pass_ = 0;
+        best_ = 1e30f;
+        succeeded_ = false;
+        walk_ = Walk{problem.frozen, problem.free && head > 0, plan};
+        for (std::size_t q = 0; q < head; ++q) walk_.pass_knot(plan);
+        base_ = walk_;
         first_ = 0;
         if (head > 0)
-            while (first_ < problem.count && problem.samples.u[first_] <= origin_) ++first_;
+            while (first_ < count_ && problem.samples[first_].u <= base_.origin) ++first_;
     }
 
+    // ---- the system
     void lay_knots(const Problem& problem, const KnotPlan& plan) noexcept {
         // the first knot of a continued curve is the boundary
         const std::size_t from = head_ + (fixed_ ? 1 : 0);
@@ -177,7 +123,7 @@ class Fit {
         const float begin = fixed_ ? static_cast<float>(plan.knot[head_]) : 0.0f;
         // ahead of the samples the last polynomial goes on: basis functions made for the samples'
         // range keep the system well conditioned in float
-        const float last = problem.samples.u[problem.count - 1];
+        const float last = problem.samples[count_ - 1].u;
         const float end = (last > begin ? last : begin) + 2;
         const std::size_t total = interior_ + Order;
         for (std::size_t j = 0; j < Order; ++j) {
@@ -186,93 +132,205 @@ class Fit {
         }
         for (std::size_t j = 0; j < interior_; ++j)
             t_[Order + j] = static_cast<float>(plan.knot[from + j]);
-        unknowns_ = total - fixed_;
-        for (std::size_t i = first_; i < problem.count; ++i) {
-            const Vector y = base_(problem.samples.u[i] - origin_);
-            for (std::size_t d = 0; d < D; ++d) residual_[i][d] = problem.samples.x[i][d] - y[d];
-        }
+        rows_ = total - fixed_;
+        anchor_ = problem.frozen.c[0];
+        if (fixed_) give_control_points();
     }
 
-    /// B-splines of the interval t_[h] <= u < t_[h + 1] (Cox, de Boor).
-    void basis(std::size_t h, float u, std::array<float, Order>& b) const noexcept {
-        b[0] = 1;
+    /// The first control points: the blossom of the polynomial that is continued.
+    void give_control_points() noexcept {
+        const auto at = base_.p.shifted(t_[0] - base_.origin);
+        for (std::size_t j = 0; j + 1 < Order; ++j) {
+            std::array<float, Order> e{};  // elementary symmetric polynomials of the knots
+            e[0] = 1;
+            for (std::size_t k = 1; k < Order; ++k)
+                for (std::size_t m = k; m > 0; --m) e[m] += (t_[j + k] - t_[0]) * e[m - 1];
+            float binomial = 1;
+            Vector sum{};
+            for (std::size_t m = 0; m < Order; ++m) {
+                const float f = e[m] / binomial;
+                for (std::size_t d = 0; d < D; ++d) sum[d] += f * at.c[m][d];
+                binomial = binomial * static_cast<float>(Order - 1 - m) / static_cast<float>(m + 1);
+            }
+            for (std::size_t d = 0; d < D; ++d) given_[j][d] = sum[d] - anchor_[d];
+        }
+        before_ = at.c[Order - 1];
+    }
+
+    void start_pass() noexcept {
+        for (std::size_t i = 0; i < rows_; ++i) {
+            a_[i].fill(0);
+            c_[i + fixed_].fill(0);
+        }
+        for (std::size_t i = 0; i < fixed_; ++i) c_[i] = given_[i];
+        span_ = Order - 1;
+        cursor_ = first_;
+        phase_ = Phase::assemble;
+    }
+
+    /// B-splines of the interval t_[span_] <= u < t_[span_ + 1] as polynomials in
+    /// s = (u - t_[span_]) / length (Cox, de Boor).
+    struct Basis {
+        std::array<std::array<float, Order>, Order> c{};
+        float begin{0}, per_length{0};
+    };
+    Basis basis() const noexcept {
+        Basis out;
+        out.begin = t_[span_];
+        const float length = t_[span_ + 1] - out.begin;
+        out.per_length = length > 0 ? 1 / length : 0;
+        out.c[0][0] = 1;
         for (std::size_t k = 1; k < Order; ++k) {
-            float carry = 0;
+            std::array<float, Order> carry{};
             for (std::size_t i = 0; i < k; ++i) {
-                const float right = t_[h + 1 + i], left = t_[h + 1 + i - k];
-                const float share = right > left ? b[i] / (right - left) : 0;
-                b[i] = carry + (right - u) * share;
-                carry = (u - left) * share;
+                const float right = t_[span_ + 1 + i], left = t_[span_ + 1 + i - k];
+                const float per = right > left ? 1 / (right - left) : 0;
+                const float r = (right - out.begin) * per, l = (out.begin - left) * per,
+                            slope = length * per;
+                std::array<float, Order> next{};
+                for (std::size_t m = 0; m < k; ++m) {
+                    const float b = out.c[i][m];
+                    out.c[i][m] = carry[m] + r * b;
+                    next[m] += l * b;
+                    next[m + 1] += slope * b;
+                    carry[m + 1] -= slope * b;
+                }
+                out.c[i][k] = carry[k];
+                carry = next;
             }
-            b[k] = carry;
+            out.c[k] = carry;
         }
+        return out;
     }
 
-    void add(std::size_t h, float u, float weight, const Vector& r) noexcept {
+    /// Sums over samples of one interval.
+    struct Sums {
+        std::array<float, Pairs> a{};
+        std::array<Vector, Order> r{};
+    };
+
+    static void add(Sums& sums, const Basis& basis, float u, float weight,
+                    const Vector& x) noexcept {
+        const float s = (u - basis.begin) * basis.per_length;
         std::array<float, Order> b;
-        basis(h, u, b);
-        const std::size_t skip = h + 1 < Order + fixed_ ? Order + fixed_ - 1 - h : 0;
-        const std::size_t base = h + 1 - Order + skip - fixed_;
-        for (std::size_t i = skip; i < Order; ++i) {
-            const std::size_t row = base + (i - skip);
+        for (std::size_t i = 0; i < Order; ++i) {
+            b[i] = basis.c[i][Order - 1];
+            for (std::size_t m = Order - 1; m > 0; --m) b[i] = b[i] * s + basis.c[i][m - 1];
+        }
+        std::size_t pair = 0;
+        for (std::size_t i = 0; i < Order; ++i) {
             const float wb = weight * b[i];
-            for (std::size_t k = i; k < Order; ++k) a_[row][k - i] += wb * b[k];
-            for (std::size_t d = 0; d < D; ++d) c_[row + fixed_][d] += wb * r[d];
+            for (std::size_t k = i; k < Order; ++k) sums.a[pair++] += wb * b[k];
+            for (std::size_t d = 0; d < D; ++d) sums.r[i][d] += wb * x[d];
         }
     }
 
-    void solve(const Problem& problem, float future) noexcept {
-        const std::size_t m = unknowns_;
-        for (std::size_t i = 0; i < m; ++i) a_[i].fill(0);
-        for (std::size_t i = 0; i < m + fixed_; ++i) c_[i].fill(0);
-        std::size_t h = Order - 1;
+    /// Puts the sums of an interval into the band; given control points go to the right side.
+    void gather(const Sums& sums) noexcept {
+        const std::size_t base = span_ + 1 - Order;
+        std::size_t pair = 0;
+        for (std::size_t i = 0; i < Order; ++i) {
+            const bool given = base + i < fixed_;
+            for (std::size_t k = i; k < Order; ++k, ++pair) {
+                if (base + k < fixed_) continue;
+                if (given)
+                    for (std::size_t d = 0; d < D; ++d)
+                        c_[base + k][d] -= sums.a[pair] * given_[base + i][d];
+                else
+                    a_[base + i - fixed_][k - i] += sums.a[pair];
+            }
+            if (!given)
+                for (std::size_t d = 0; d < D; ++d) c_[base + i][d] += sums.r[i][d];
+        }
+    }
+
+    Vector coordinates(const Problem& problem,
+                       const typename Channel::Value& value) const noexcept {
+        Vector x = problem.judge.coordinates(value);
+        for (std::size_t d = 0; d < D; ++d) x[d] -= anchor_[d];
+        return x;
+    }
+
+    void assemble(const Problem& problem, Credit& credit) noexcept {
         const std::size_t last = interior_ + Order - 1;
-        for (std::size_t i = first_; i < problem.count; ++i) {
-            const float u = problem.samples.u[i];
-            if (u <= t_[0] && fixed_) continue;
-            while (h < last && t_[h + 1] <= u) ++h;
-            add(h, u, weight_[i], residual_[i]);
+        while (credit > 0) {
+            const Basis b = basis();
+            Sums sums;
+            const float end = span_ < last ? t_[span_ + 1] : 1e30f;
+            for (; cursor_ < count_ && credit > 0; ++cursor_) {
+                auto& sample = problem.samples[cursor_];
+                if (sample.u <= t_[0] && fixed_) continue;
+                if (sample.u >= end) break;
+                sample.weight =
+                    scale_ > 0 ? sample.weight * scale_ * (0.02f + sample.error * lean_) : 1.0f;
+                add(sums, b, sample.u, sample.weight, coordinates(problem, sample.value));
+                credit -= visit_cost;
+            }
+            credit -= span_cost;
+            const bool over = cursor_ == count_ && span_ == last;
+            if (over) look_ahead(problem, b, sums);
+            gather(sums);
+            if (over) {
+                credit -= visit_cost * static_cast<Credit>(problem.ahead.size);
+                return start_factor();
+            }
+            if (cursor_ == count_ || problem.samples[cursor_].u >= end) ++span_;
         }
+    }
+
+    void look_ahead(const Problem& problem, const Basis& b, Sums& sums) const noexcept {
         for (std::size_t i = 0; i < problem.ahead.size; ++i) {
-            const float u = problem.ahead.u[i];
-            while (h < last && t_[h + 1] <= u) ++h;
-            const Vector y = base_(u - origin_);
-            Vector r;
-            for (std::size_t d = 0; d < D; ++d) r[d] = problem.ahead.x[i][d] - y[d];
-            const float w = problem.ahead.weight[i] * future;
-            add(h, u, w > 1e-6f ? w : 1e-6f, r);
+            const float w = problem.ahead.weight[i] * future_;
+            Vector x = problem.ahead.x[i];
+            for (std::size_t d = 0; d < D; ++d) x[d] -= anchor_[d];
+            add(sums, b, problem.ahead.u[i], w > 1e-6f ? w : 1e-6f, x);
         }
-        factor(m);
-        substitute(m);
     }
 
-    void factor(std::size_t m) noexcept {
+    // ---- its solution: L D L^T, row by row
+    void start_factor() noexcept {
         float largest = 0;
-        for (std::size_t i = 0; i < m; ++i) largest = a_[i][0] > largest ? a_[i][0] : largest;
-        const float ridge = 1e-7f * largest + 1e-12f;
-        for (std::size_t i = 0; i < m; ++i) {
-            a_[i][0] += ridge;
-            if (!(a_[i][0] > ridge)) a_[i][0] = ridge;
-            for (std::size_t j = 1; j < Order && i + j < m; ++j) {
-                const float f = a_[i][j] / a_[i][0];
-                for (std::size_t k = j; k < Order; ++k) a_[i + j][k - j] -= f * a_[i][k];
-            }
-        }
+        for (std::size_t i = 0; i < rows_; ++i) largest = a_[i][0] > largest ? a_[i][0] : largest;
+        ridge_ = 1e-7f * largest + 1e-12f;
+        cursor_ = 0;
+        phase_ = Phase::factor;
     }
 
-    void substitute(std::size_t m) noexcept {
-        for (std::size_t i = 0; i < m; ++i)
-            for (std::size_t j = 1; j < Order && i + j < m; ++j) {
-                const float f = a_[i][j] / a_[i][0];
-                for (std::size_t d = 0; d < D; ++d) c_[i + j + fixed_][d] -= f * c_[i + fixed_][d];
+    void factor(Credit& credit) noexcept {
+        for (; cursor_ < rows_ && credit > 0; ++cursor_) {
+            auto& row = a_[cursor_];
+            row[0] += ridge_;
+            if (!(row[0] > ridge_)) row[0] = ridge_;
+            const float per = 1 / row[0];
+            for (std::size_t j = 1; j < Order && cursor_ + j < rows_; ++j) {
+                const float f = row[j] * per;
+                for (std::size_t k = j; k < Order; ++k) a_[cursor_ + j][k - j] -= f * row[k];
+                for (std::size_t d = 0; d < D; ++d)
+                    c_[cursor_ + j + fixed_][d] -= f * c_[cursor_ + fixed_][d];
             }
-        for (std::size_t i = m; i-- > 0;)
+            credit -= row_cost;
+        }
+        if (cursor_ == rows_) phase_ = Phase::substitute;
+    }
+
+    void substitute(KnotPlan& plan, Credit& credit) noexcept {
+        for (; cursor_ > 0 && credit > 0; --cursor_) {
+            const std::size_t i = cursor_ - 1;
+            const float per = 1 / a_[i][0];
             for (std::size_t d = 0; d < D; ++d) {
                 float v = c_[i + fixed_][d];
-                for (std::size_t j = 1; j < Order && i + j < m; ++j)
+                for (std::size_t j = 1; j < Order && i + j < rows_; ++j)
                     v -= a_[i][j] * c_[i + j + fixed_][d];
-                c_[i + fixed_][d] = v / a_[i][0];
+                c_[i + fixed_][d] = v * per;
             }
+            credit -= row_cost;
+        }
+        if (cursor_ > 0) return;
+        to_jumps(plan);
+        credit -= row_cost * static_cast<Credit>(rows_);
+        walk_ = base_;
+        if (fixed_ == 0) walk_.p.c = plan.start;
+        start_check(plan);
     }
 
     /// Control points -> jumps of the highest coefficient (and the free start), by differencing.
@@ -281,7 +339,7 @@ class Fit {
         const std::size_t total = interior_ + Order;
         float factorial = 1;
         if (free)
-            for (std::size_t d = 0; d < D; ++d) plan.start[0][d] = base_.c[0][d] + c_[0][d];
+            for (std::size_t d = 0; d < D; ++d) plan.start[0][d] = anchor_[d] + c_[0][d];
         for (std::size_t k = 1; k < Order; ++k) {
             for (std::size_t j = total; j-- > k;) {
                 const float width = t_[j + Order - k] - t_[j];
@@ -290,42 +348,74 @@ class Fit {
             }
             factorial *= static_cast<float>(k);
             if (free)
-                for (std::size_t d = 0; d < D; ++d)
-                    plan.start[k][d] = base_.c[k][d] + c_[k][d] / factorial;
+                for (std::size_t d = 0; d < D; ++d) plan.start[k][d] = c_[k][d] / factorial;
         }
         for (std::size_t q = head_; q < plan.size; ++q) {
             const std::size_t j = Order - 1 + (q - head_) + (free ? 1 : 0);
             for (std::size_t d = 0; d < D; ++d)
-                plan.jump[q][d] = (c_[j][d] - (j > Order - 1 ? c_[j - 1][d] : 0)) / factorial;
+                plan.jump[q][d] =
+                    c_[j][d] / factorial - (j > Order - 1 ? c_[j - 1][d] / factorial : before_[d]);
         }
     }
 
-    /// Walks the very polynomials that would be frozen over the samples beyond the head.
-    void check_beyond(const Problem& problem, float limit, KnotPlan& plan) noexcept {
-        Walk walk{base_, fixed_ == 0, plan};
-        walk.origin = origin_;
-        walk.next = head_;
+    // ---- its errors: the very polynomials that would be frozen, over the samples beyond the head
+    void start_check(KnotPlan& plan) noexcept {
         plan.worst = 0;
         plan.worst_at = first_;
-        plan.covers = problem.count;
-        objective_ = 0;
-        for (std::size_t i = first_; i < problem.count; ++i) {
-            const float e =
-                problem.judge.error(walk.at(problem.samples.u[i], plan), problem.samples.x[i]);
-            error_[i] = e;
+        plan.covers = count_;
+        objective_ = weights_ = weighted_ = leaning_ = 0;
+        cursor_ = first_;
+        phase_ = Phase::check;
+    }
+
+    void check(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept {
+        for (; cursor_ < count_ && credit > 0; ++cursor_) {
+            auto& sample = problem.samples[cursor_];
+            const float e = problem.judge.error(walk_.at(sample.u, plan),
+                                                problem.judge.coordinates(sample.value));
+            const float we = sample.weight * e;
+            sample.error = e;
             objective_ += e * e;
-            if (!(e <= limit) && plan.covers == problem.count) plan.covers = i;
+            weights_ += sample.weight;
+            leaning_ += we;
+            weighted_ += we * e;
+            if (!(e <= limit_) && plan.covers == count_) plan.covers = cursor_;
             if (!(e <= plan.worst)) {
                 plan.worst = e;
-                plan.worst_at = i;
+                plan.worst_at = cursor_;
             }
+            credit -= test_cost;
         }
+        if (cursor_ < count_) return;
+        if (pass_ == 0) plan.objective = objective_ + misfit(problem, plan);
+        credit -= test_cost * static_cast<Credit>(problem.ahead.size);
+        decide(plan);
+    }
+
+    /// Another pass?
+    void decide(KnotPlan& plan) noexcept {
+        succeeded_ = plan.covers == count_;
+        best_ = plan.worst < best_ ? plan.worst : best_;
+        const float n = static_cast<float>(count_ - first_);
+        // the weighted mean square is a lower bound of the squared minimax error
+        const bool hopeless =
+            plan.worst > 4 ||
+            (pass_ >= 2 && weighted_ > n * Channel::Judge::square_bound * limit_ * limit_) ||
+            (pass_ >= 3 && best_ > 1 + 2.0f / static_cast<float>(pass_));
+        if (succeeded_ || pass_ >= passes_ || hopeless) {
+            if (!succeeded_) plan.worst = best_;
+            phase_ = Phase::done;
+            return;
+        }
+        ++pass_;
+        future_ *= 0.3f;
+        lean_ = 1 / plan.worst;
+        scale_ = n / (0.02f * weights_ + leaning_ * lean_);
+        start_pass();
     }
 
     float misfit(const Problem& problem, const KnotPlan& plan) const noexcept {
-        Walk walk{base_, fixed_ == 0, plan};
-        walk.origin = origin_;
-        walk.next = head_;
+        Walk walk = walk_;
         float sum = 0;
         for (std::size_t i = 0; i < problem.ahead.size; ++i) {
             const Vector y = walk.at(problem.ahead.u[i], plan);
@@ -337,31 +427,18 @@ class Fit {
         return sum;
     }
 
-    float weighted_square(std::size_t count) const noexcept {
-        float sum = 0;
-        for (std::size_t i = first_; i < count; ++i) sum += weight_[i] * error_[i] * error_[i];
-        return sum / static_cast<float>(count - first_);
-    }
-
-    void reweight(std::size_t count, float worst) noexcept {
-        float sum = 0;
-        for (std::size_t i = first_; i < count; ++i) {
-            weight_[i] *= 0.02f + error_[i] / worst;
-            sum += weight_[i];
-        }
-        const float scale = static_cast<float>(count - first_) / sum;
-        for (std::size_t i = first_; i < count; ++i) weight_[i] *= scale;
-    }
-
     std::array<float, Unknowns + Order> t_{};
     std::array<std::array<float, Order>, Unknowns> a_{};  // upper band of the normal matrix
     std::array<Vector, Unknowns> c_{};                    // right sides, then control points
-    std::array<Vector, Samples::capacity> residual_{};
-    std::array<float, Samples::capacity> weight_{};
-    std::array<float, Samples::capacity> error_{};
-    Polynomial<D, Order> base_{};
-    float origin_{0}, objective_{0};
-    std::size_t first_{0}, head_{0}, interior_{0}, unknowns_{0}, fixed_{0};
+    std::array<Vector, Order - 1> given_{};
+    Vector anchor_{}, before_{};
+    Walk base_{}, walk_{};
+    float limit_{0}, ridge_{0}, future_{1}, lean_{0}, scale_{0}, best_{0};
+    float objective_{0}, weights_{0}, weighted_{0}, leaning_{0};
+    std::size_t count_{0}, first_{0}, cursor_{0}, head_{0}, interior_{0}, rows_{0}, fixed_{0},
+        span_{0}, passes_{0}, pass_{0};
+    Phase phase_{Phase::done};
+    bool succeeded_{false};
 };
 
 }  // namespace fairlead

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "fairlead/reduce/fit.hpp"
+#include "fairlead/reduce/plan.hpp"
 
 namespace fairlead {
 
@@ -26,12 +26,14 @@ struct Landing {
     static bool at_rest(const Samples& s, std::size_t count, std::size_t n,
                         const typename Channel::Judge& judge, Vector& mid) noexcept {
         if (count < n) return false;
-        Vector low = s.x[count - 1], high = low;
-        for (std::size_t i = count - n; i < count; ++i)
+        Vector low = judge.coordinates(s[count - 1].value), high = low;
+        for (std::size_t i = count - n; i < count; ++i) {
+            const Vector x = judge.coordinates(s[i].value);
             for (std::size_t d = 0; d < D; ++d) {
-                low[d] = s.x[i][d] < low[d] ? s.x[i][d] : low[d];
-                high[d] = s.x[i][d] > high[d] ? s.x[i][d] : high[d];
+                low[d] = x[d] < low[d] ? x[d] : low[d];
+                high[d] = x[d] > high[d] ? x[d] : high[d];
             }
+        }
         for (std::size_t d = 0; d < D; ++d) {
             if ((high[d] - low[d]) * judge.per_limit[d] > 1.2f) return false;
             mid[d] = (high[d] + low[d]) / 2;

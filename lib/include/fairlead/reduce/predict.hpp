@@ -10,7 +10,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "fairlead/reduce/fit.hpp"
+#include "fairlead/reduce/plan.hpp"
+#include "fairlead/reduce/window.hpp"
 
 namespace fairlead {
 
@@ -47,10 +48,13 @@ class Predictor {
         if (++turn_ == 4) turn_ = 0;
     }
 
-    /// The expected change from the newest sample to `horizon[h]` samples later, in the sample's
-    /// frame.
-    Vector change(std::size_t h, const typename Channel::Judge& judge) const noexcept {
-        return predicted(models_[h], features(0, judge));
+    using Change = std::array<Vector, horizons>;
+    /// The expected changes from the newest sample to each horizon, in the sample's frame.
+    Change changes(const typename Channel::Judge& judge) const noexcept {
+        const Features f = features(0, judge);
+        Change out;
+        for (std::size_t h = 0; h < horizons; ++h) out[h] = predicted(models_[h], f);
+        return out;
     }
     float variance(std::size_t h) const noexcept { return models_[h].variance; }
 

@@ -1,13 +1,13 @@
 #pragma once
-// Streaming knot removal with a hard guarantee.
+// Streaming knot removal with a hard guarantee and even work.
 //
 // Samples wait in a window of at most N records. What is frozen of the curve goes on as long as it
-// fits; a planned knot becomes final only when the sample that is due lies beyond it. Before a
+// fits; a planned knot becomes final only when samples that are soon due lie beyond it. Before a
 // sample counts as covered it is tested against the very polynomial that the decoder will evaluate,
 // in the very arithmetic; when nothing else serves, a knot of full multiplicity starts the curve
 // anew at the sample that is due. So the tolerance never depends on the search, and the search may
-// stop whenever its work is used up. Bounds: memory is sizeof; work per record is `slice` fits plus
-// one advance; delay at most delay_max.
+// stop whenever its work is used up. Bounds: memory is sizeof; work per record is one slice of the
+// search and one step of finality, a few where a sample is due; delay at most delay_max.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +23,7 @@ struct ReduceParams {
     typename Channel::Tolerance tol{};  // absolute; per component, or the rotation angle in rad
     std::uint32_t tick_ns{4000000};     // grid of the knots: at most the smallest sample spacing
     std::uint32_t delay_max{60};        // records; at most N
+    std::uint32_t goal{30};             // records that a frame leaves open, where it has the choice
 };
 
 /// What an advance made final, for the wire: in this order.
@@ -55,16 +56,20 @@ constexpr int start_shift(std::size_t m, int coarse) noexcept {
     return places > 0 ? places : 0;
 }
 
-template <class Channel, std::size_t N, std::size_t MaxKnots = 24>
+template <class Channel, std::size_t N>
 class Reducer {
   public:
     static constexpr std::size_t D = Channel::dimension;
     static constexpr std::size_t Order = Channel::order;
     static constexpr std::size_t horizons = Predictor<Channel>::horizons;
-    static constexpr std::size_t batch_knots = 8;
+    static constexpr std::size_t max_knots = 8 + N / 8;  // that a plan may hold
+    static constexpr std::size_t batch_knots = 4;        // that a frame carries
+    static constexpr std::uint32_t lead = 12;  // records before its due time that a frame is begun
+    static constexpr std::size_t cover_max = 16;     // samples tested in one step
+    static constexpr std::size_t rounding_max = 32;  // samples that choose a knot's rounding
     static constexpr std::int32_t rest_places = 64;  // last places that a stop may cut off
-    static constexpr int jump_places =
-        4;  // a jump is rounded to 2^-places of a unit at the next knot
+    static constexpr int unsettled_places =
+        10;  // finer, where the later knots have not been fitted to it
     using Value = typename Channel::Value;
     using Params = ReduceParams<Channel>;
     using Frozen = Batch<Channel, batch_knots>;
@@ -78,6 +83,7 @@ class Reducer {
         : params_{params}, scale_{Channel::scale(params.tol)}, judge_{params.tol, scale_} {
         if (params_.delay_max > N) params_.delay_max = N;
         if (params_.delay_max < 2) params_.delay_max = 2;
+        if (params_.goal >= params_.delay_max) params_.goal = params_.delay_max - 1;
     }
 
     /// A record that this channel has a sample in. Room is guaranteed while due() is obeyed.
@@ -88,21 +94,26 @@ class Reducer {
             ++counters_.refused;
             return;
         }
-        FAIRLEAD_ASSERT(samples_.size < Samples::capacity);
+        FAIRLEAD_ASSERT(!samples_.full());
         const bool starts = starts_curve || !any_;
         last_ns_ = t_ns;
         ++counters_.samples;
-        const Value v = any_ ? Channel::continued(last_, value) : value;
-        last_ = v;
-        samples_.push(t_ns, records_, starts, v, Channel::coordinates(v, scale_));
+        last_ = any_ ? Channel::continued(last_, value) : value;
         any_ = true;
-        predictor_.push(v, starts, judge_);
-        if (samples_.size == 1 && starts) prepare_curve();
-        if (!ended()) {
-            samples_.express(samples_.size - 1, curve_.span.t0_ns, params_.tick_ns);
-            search_.extend(view());
-            look_ahead();
-        }
+        const bool waits = starts ? !samples_.empty() : own_ < samples_.size();
+        Waiting<Channel> sample;
+        sample.t_ns = t_ns;
+        sample.value = last_;
+        sample.record = static_cast<std::uint16_t>(records_);
+        sample.starts_curve = starts;
+        samples_.push(sample);
+        predictor_.push(last_, starts, judge_);
+        if (waits) return;
+        if (starts) return prepare_curve();
+        ++own_;
+        express(samples_[own_ - 1]);
+        look_ahead();
+        search_.extend(view());
     }
 
     /// Any time of the grid of knots, at or before the first sample; before the first push.
@@ -111,42 +122,44 @@ class Reducer {
     /// A record without a sample of this channel: delay counts records.
     void skip() noexcept { ++records_; }
 
-    /// `slice` pieces of the search, one fit each at most.
-    void work(std::size_t slice) noexcept {
-        for (std::size_t i = 0; i < slice; ++i)
-            if (!search_.step(view())) return;
-    }
-
-    /// Must advance() be called before the next record? True while an ended curve waits, too.
-    bool due() const noexcept {
-        return samples_.size > 0 && (age() >= params_.delay_max || ended());
-    }
-    bool empty() const noexcept { return samples_.size == 0; }
-    /// Records that the oldest uncovered sample has waited.
-    std::uint32_t age() const noexcept { return samples_.size ? records_ - samples_.record[0] : 0; }
-
-    /// Makes the curve final until the oldest uncovered sample is younger than `goal` records, as
-    /// far as the plan goes. Covers at least one sample where there is one.
-    const Frozen& advance(std::uint32_t goal) noexcept {
-        out_ = {};
-        for (std::size_t i = 0; i < 2 * batch_knots + 2; ++i) {
-            if (samples_.size == 0) break;
-            if (!active_) {
-                if (out_.begins || out_.size || out_.covers) break;
-                begin_curve(false);
-                continue;
-            }
-            if (cover(goal)) {
-                if (samples_.size == 0 || !active_ || age() < goal) break;
-            } else if (search_.plan().size > 0 && !before_knot(0)) {
-                if (out_.size == batch_knots) break;
-                freeze();
-            } else {
-                if (out_.begins || out_.size || out_.covers) break;
-                begin_curve(true);
-            }
+    /// One slice of work. `closing`: a frame will leave soon, make final what it shall carry.
+    void work(Credit slice, bool closing) noexcept {
+        credit_ = credit_ + slice < slice ? credit_ + slice : slice;
+        if (closing || ended()) finalise(false);
+        while (credit_ > 0 && search_.step(view(), credit_)) {
         }
-        return out_;
+    }
+
+    /// Must take() be called before the next record?
+    bool due() const noexcept { return !empty() && age() >= params_.delay_max; }
+    /// Will it be so soon?
+    bool closing() const noexcept { return !empty() && age() + lead >= params_.delay_max; }
+    bool empty() const noexcept { return samples_.empty() && !pending(); }
+    /// Records that the oldest sample has waited whose coverage has not been taken.
+    std::uint32_t age() const noexcept {
+        return pending() ? since(pending_record_)
+                         : (samples_.empty() ? 0 : since(samples_.oldest().record));
+    }
+
+    /// What has become final since the last call; where a sample is due, that it is covered.
+    /// Call again while due().
+    Frozen take() noexcept {
+        // each knot and each stretch of coverage once, and the start of a curve
+        for (std::size_t i = 0; i < 2 * batch_knots + 2 && uncovered_due(); ++i)
+            if (!finalise(true)) break;
+        const Frozen taken = out_;
+        out_ = {};
+        return taken;
+    }
+
+    /// No more samples will come: makes final what is well planned, at least one sample; then
+    /// take().
+    void close() noexcept {
+        const bool planned = search_.plan().covers >= own_;
+        const std::size_t steps = planned ? batch_knots + N / cover_max : 1;
+        for (std::size_t i = 0; i < steps && !samples_.empty(); ++i)
+            if (!finalise(false, planned ? 0 : since(samples_.oldest().record))) break;
+        if (!pending()) finalise(true, 0);
     }
 
     const Curve<Channel>& curve() const noexcept { return curve_; }
@@ -157,97 +170,144 @@ class Reducer {
     bool active() const noexcept { return active_; }
 
   private:
-    using Knots = Search<Channel, N, MaxKnots, horizons>;
+    using Knots = Search<Channel, N, max_knots, horizons>;
     using Samples = typename Knots::Fitter::Samples;
     using Ahead = typename Knots::Fitter::Ahead;
 
-    /// Samples of the curve that is being built.
-    std::size_t count() const noexcept {
-        for (std::size_t i = 0; i < samples_.size; ++i)
-            if (samples_.starts_curve[i] && (i > 0 || active_)) return i;
-        return samples_.size;
-    }
-    bool ended() const noexcept { return count() < samples_.size; }
+    // what a step of finality costs, in instructions of a Cortex-M4F, about
+    static constexpr Credit accept_cost = 120 + 20 * D, freeze_cost = 1500 + 400 * D;
 
-    typename Knots::View view() const noexcept {
-        return {{samples_, count(), ahead_, frozen_, judge_, !active_},
+    std::uint32_t since(std::uint16_t record) const noexcept {
+        return static_cast<std::uint16_t>(records_ - record);
+    }
+    bool pending() const noexcept { return out_.begins || out_.size > 0 || out_.covers; }
+    bool ended() const noexcept { return own_ < samples_.size(); }
+    bool uncovered_due() const noexcept {
+        return !samples_.empty() && since(samples_.oldest().record) >= params_.delay_max;
+    }
+
+    typename Knots::View view() noexcept {
+        return {{samples_, own_, ahead_, frozen_, judge_, !active_},
                 static_cast<std::int32_t>(cover_ticks_),
-                params_.delay_max};
+                params_.delay_max,
+                soon()};
+    }
+
+    /// Samples from here on will stay open for a while.
+    float soon() const noexcept {
+        const std::uint32_t open = params_.goal > lead ? params_.goal - lead : 0;
+        const std::uint32_t newest = own_ > 0 ? since(samples_[own_ - 1].record) : 0;
+        const std::size_t left = open > newest ? open - newest : 0;
+        return own_ > left ? samples_[own_ - 1 - left].u : 0;
+    }
+
+    void express(Waiting<Channel>& sample) const noexcept {
+        sample.u = ticks_between(curve_.span.t0_ns, sample.t_ns, params_.tick_ns);
+    }
+
+    /// The window's times seen from a knot `ticks` later.
+    void shift_times(std::int32_t ticks) noexcept {
+        for (std::size_t i = 0; i < own_; ++i) samples_[i].u -= static_cast<float>(ticks);
+        look_ahead();
     }
 
     /// Pseudo-samples at the predictor's horizons; their weight falls with its error there.
     void look_ahead() noexcept {
-        const std::size_t n = count();
+        const std::size_t n = own_;
         ahead_.size = 0;
         if (n < 4) return;
-        const float last = samples_.u[n - 1];
-        const float step = (last - samples_.u[0]) / static_cast<float>(n - 1);
+        const auto& newest = samples_[n - 1];
+        const float step = (newest.u - samples_[0].u) / static_cast<float>(n - 1);
+        const auto changes = predictor_.changes(judge_);
         float before = 0;
         for (std::size_t h = 0; h < horizons; ++h) {
             const auto reach = static_cast<float>(Predictor<Channel>::horizon[h]);
-            const float u = last + reach * step;
-            const Value value = judge_.moved(samples_.value[n - 1], predictor_.change(h, judge_));
-            ahead_.x[h] = Channel::coordinates(value, scale_);
+            ahead_.x[h] = judge_.coordinates(judge_.moved(newest.value, changes[h]));
             const float spread = predictor_.variance(h) / (0.5f * 0.5f);
-            ahead_.u[h] = u;
+            ahead_.u[h] = newest.u + reach * step;
             ahead_.weight[h] = 3 * (reach - before) / (1 + spread * spread);
             before = reach;
         }
         ahead_.size = horizons;
     }
 
-    void express_all() noexcept {
-        const std::size_t n = samples_.size;
-        for (std::size_t i = 0; i < n; ++i) {
-            samples_.express(i, curve_.span.t0_ns, params_.tick_ns);
-        }
-        look_ahead();
-    }
-
     /// Chooses coordinates for a curve that starts at the oldest sample; nothing is final yet.
     void prepare_curve() noexcept {
-        const std::int64_t t = samples_.t_ns[0];
+        const std::int64_t t = samples_.oldest().t_ns;
         const std::int64_t before = counters_.curves ? curve_.span.t0_ns : epoch_ns_;
         curve_ = {};
         curve_.span.t0_ns = before + (t - before) / params_.tick_ns * params_.tick_ns;
         active_ = false;
         cover_ticks_ = 0;
         frozen_ = {};
-        frozen_.c[0] = samples_.x[0];
+        frozen_.c[0] = judge_.coordinates(samples_.oldest().value);
+        for (own_ = 0; own_ < samples_.size() && (own_ == 0 || !samples_[own_].starts_curve);
+             ++own_)
+            express(samples_[own_]);
         search_.reset();
-        express_all();
+        look_ahead();
+    }
+
+    /// One step towards what the next frame shall say. @return whether there was one.
+    bool finalise(bool forced) noexcept { return finalise(forced, ended() ? 0 : params_.goal); }
+    bool finalise(bool forced, std::uint32_t goal) noexcept {
+        if (samples_.empty()) return false;
+        const bool wanted = since(samples_.oldest().record) >= goal;
+        if (!forced && !wanted) return false;
+        if (!active_) {
+            if (pending() || (!forced && search_.plan().covers == 0)) return false;
+            begin_curve(false);
+            return true;
+        }
+        if (cover(goal)) return true;
+        if (search_.plan().size > 0 && !before_knot(0)) {
+            if (out_.size == batch_knots) return false;
+            freeze();
+            return true;
+        }
+        if (!forced || pending()) return false;
+        break_curve();
+        return true;
     }
 
     /// The start of a curve becomes final, rounded for the interval it was planned for.
     void begin_curve(bool breaks) noexcept {
-        if (breaks) {
-            samples_.starts_curve[0] = true;
-            ++counters_.breaks;
-            prepare_curve();
-            search_.start_over(view());
-        }
-        ++counters_.curves;
         const auto& plan = search_.plan();
-        const float first = plan.size ? static_cast<float>(plan.knot[0])
-                                      : samples_.u[count() > 0 ? count() - 1 : 0];
-        out_.coarse = static_cast<std::uint8_t>(first > 1 ? floor_log2(first) + 1 : 0);
         Polynomial<D, Order> start = frozen_;
         if (plan.covers > 0) start.c = plan.start;
+        const std::size_t last = plan.covers > 0 ? plan.covers - 1 : 0;
+        emit_start(start, plan.size ? static_cast<float>(plan.knot[0]) : samples_[last].u, breaks);
+    }
+
+    /// Nothing else serves the sample that is due.
+    void break_curve() noexcept {
+        samples_[0].starts_curve = true;
+        ++counters_.breaks;
+        prepare_curve();
+        search_.start_over(view(), credit_);
+        begin_curve(true);
+    }
+
+    void emit_start(const Polynomial<D, Order>& start, float reach, bool breaks) noexcept {
+        note_pending();
+        ++counters_.curves;
+        const Polynomial<D, Order> constant = frozen_;
+        out_.coarse = static_cast<std::uint8_t>(reach > 1 ? floor_log2(reach) + 1 : 0);
         round_start(start);
-        if (!accepted(0)) {  // a constant through the sample always serves
+        if (!accepted(samples_[0])) {  // a constant through the sample always serves
             out_.coarse = 0;
-            round_start(frozen_);
+            round_start(constant);
         }
         active_ = true;
-        samples_.starts_curve[0] = false;
+        samples_[0].starts_curve = false;
         out_.begins = true;
         out_.breaks = breaks;
         out_.start = curve_;
-        frozen_ = Polynomial<D, Order>{curve_.span};
-        express_all();
-        search_.refit(view(), Knots::hard_passes);
+        search_.rounded();
+        credit_ -= freeze_cost;
     }
 
+    /// Sets the curve and what is frozen of it to the start that a decoder will read.
     void round_start(const Polynomial<D, Order>& start) noexcept {
         for (std::size_t m = 0; m < Order; ++m)
             for (std::size_t d = 0; d < D; ++d) {
@@ -257,42 +317,50 @@ class Reducer {
                 const std::int32_t kept = clamped_sum(to_integer(start.c[m][d] * places) * step, 0);
                 curve_.span.c[m][d] = static_cast<std::int32_t>(kept / step * step);
             }
+        frozen_ = Polynomial<D, Order>{curve_.span};
     }
 
     /// In integers, as a decoder chooses the piece that speaks for a time.
     bool before_knot(std::size_t i) const noexcept {
         const std::int64_t knot = search_.plan().knot[0];
-        return samples_.t_ns[i] - curve_.span.t0_ns <
+        return samples_[i].t_ns - curve_.span.t0_ns <
                knot * static_cast<std::int64_t>(params_.tick_ns);
     }
 
-    bool accepted(std::size_t i) const noexcept {
-        const Polynomial<D, Order> p{curve_.span};
-        const float u = ticks_between(curve_.span.t0_ns, samples_.t_ns[i], params_.tick_ns);
-        return judge_.accepts(Channel::value(p(u), scale_), samples_.value[i]);
+    /// The exact test, in the decoder's arithmetic.
+    bool accepted(const Waiting<Channel>& sample) const noexcept {
+        const float u = ticks_between(curve_.span.t0_ns, sample.t_ns, params_.tick_ns);
+        return judge_.accepts(Channel::value(frozen_(u), scale_), sample.value);
     }
 
-    /// Takes the leading samples that the frozen polynomial covers. @return whether there was one.
+    /// Before anything is added to a batch: since when has its oldest sample waited?
+    void note_pending() noexcept {
+        if (!pending()) pending_record_ = samples_.oldest().record;
+    }
+
+    /// Takes leading samples that the frozen polynomial covers. @return whether there was one.
     bool cover(std::uint32_t goal) noexcept {
         const auto& plan = search_.plan();
-        const std::size_t n = count();
+        const bool rests = resting();
         std::size_t k = 0;
-        while (k < n && (plan.size == 0 || before_knot(k)) && accepted(k)) {
+        while (k < own_ && k < cover_max && (plan.size == 0 || before_knot(k)) &&
+               accepted(samples_[k])) {
             ++k;
-            // with knots ahead only what is needed is made final: a later start of the next knot is
-            // open
-            if (!resting() && records_ - samples_.record[k - 1] < goal) break;
+            // only what is needed is made final: a later start of the next knot is open
+            if (!rests && since(samples_[k - 1].record) <= goal) break;
         }
+        credit_ -= accept_cost * static_cast<Credit>(k + 1);
         if (k == 0) return false;
         // the next tick after the last sample taken: samples stand at least a tick apart, so that
         // the next one is not before it, and a knot may stand on it
-        const std::int64_t past = samples_.t_ns[k - 1] - curve_.span.t0_ns;
-        const auto ticks = static_cast<std::uint32_t>(past / params_.tick_ns) + 1;
+        const std::int64_t past = samples_[k - 1].t_ns - curve_.span.t0_ns;
+        note_pending();
         out_.covers = true;
-        out_.cover_ticks = cover_ticks_ = ticks;
-        samples_.drop(k);
+        out_.cover_ticks = cover_ticks_ = static_cast<std::uint32_t>(past / params_.tick_ns) + 1;
+        samples_.pop(k);
+        own_ -= k;
         search_.drop(k);
-        if (samples_.size > 0 && samples_.starts_curve[0]) prepare_curve();
+        if (own_ == 0 && !samples_.empty()) prepare_curve();
         return true;
     }
 
@@ -313,62 +381,65 @@ class Reducer {
         return true;
     }
 
-    /// The first planned knot becomes final, its jump rounded to what its interval can bear.
+    /// The first planned knot becomes final.
     void freeze() noexcept {
-        const Curve<Channel> before = curve_;
         const auto& plan = search_.plan();
         const std::int32_t ticks = plan.knot[0];
-        const std::size_t landing = plan.landing;
-        const bool lands = landing > 0 && plan.size <= landing;
-        const std::array<float, D> jump = plan.jump[0];
-        const float next = plan.size > 1 ? static_cast<float>(plan.knot[1])
-                                         : samples_.u[count() > 0 ? count() - 1 : 0];
-        const float length = next - static_cast<float>(ticks);
-        float power = 1;
-        for (std::size_t m = 1; m < Order; ++m) power *= length > 1 ? length : 1;
-        int shift = fraction_bits(Order - 1) - jump_places - floor_log2(power);
-        shift = shift > 0 ? (shift < 28 ? shift : 28) : 0;
-        const std::size_t served = plan.covers;  // as far as that, nothing may be lost by rounding
-        search_.froze(ticks);
-        if (lands) shift = 0;
-        if (lands && plan.size == 0 && comes_to_rest(ticks)) {
-            curve_.stop(static_cast<std::uint32_t>(ticks), params_.tick_ns);
-            frozen_ = Polynomial<D, Order>{curve_.span};
-            cover_ticks_ = 0;
-            express_all();
-            search_.holds(view());
-            out_.knot[out_.size].ticks = static_cast<std::uint32_t>(ticks);
-            out_.knot[out_.size].shift = stop_shift;
-            out_.knot[out_.size].jump = {};
-            out_.covers = false;
-            ++out_.size;
-            ++counters_.knots;
-            return;
-        }
+        const bool lands = plan.landing > 0 && plan.size <= plan.landing;
         auto& knot = out_.knot[out_.size];
-        const auto at = frozen_(static_cast<float>(ticks));  // rounds to what the decoder will use
-        for (std::size_t attempt = 0; attempt < 8; ++attempt) {
-            curve_ = before;
-            const float places = power_of_two(fraction_bits(Order - 1) - shift);
-            const auto sent = Channel::to_wire(jump, at);
-            for (std::size_t d = 0; d < D; ++d) knot.jump[d] = to_integer(sent[d] * places);
-            curve_.advance(static_cast<std::uint32_t>(ticks), knot.jump,
-                           static_cast<std::uint32_t>(shift), params_.tick_ns);
-            frozen_ = Polynomial<D, Order>{curve_.span};
-            cover_ticks_ = 0;
-            express_all();
-            knot.shift = static_cast<std::uint8_t>(shift);
-            auto part = view();
-            part.count = served < part.count ? served : part.count;
-            if (search_.holds(part) || lands || search_.refit(part, Knots::hard_passes) ||
-                shift == 0)
-                break;
-            shift = shift > 4 ? shift - 4 : 0;
-        }
         knot.ticks = static_cast<std::uint32_t>(ticks);
+        if (lands && plan.size == 1 && comes_to_rest(ticks)) {
+            knot.shift = stop_shift;
+            knot.jump = {};
+            curve_.stop(knot.ticks, params_.tick_ns);
+        } else {
+            round_jump(knot, lands);
+        }
+        frozen_ = Polynomial<D, Order>{curve_.span};
+        note_pending();
         out_.covers = false;
         ++out_.size;
         ++counters_.knots;
+        cover_ticks_ = 0;
+        shift_times(ticks);
+        search_.froze(ticks);
+        credit_ -= freeze_cost;
+    }
+
+    /// Rounds the jump of the first planned knot as coarsely as its interval bears.
+    void round_jump(typename Frozen::Knot& knot, bool lands) noexcept {
+        const Curve<Channel> before = curve_;
+        const auto& plan = search_.plan();
+        const auto begin = static_cast<float>(plan.knot[0]);
+        const float end = plan.size > 1 ? static_cast<float>(plan.knot[1]) : samples_[own_ - 1].u;
+        int shift = lands ? 0 : plan.settled;
+        const bool settled = shift >= 0;
+        if (!settled) shift = jump_shift<Order>(end - begin) - unsettled_places;
+        shift = shift > 0 ? shift : 0;
+        const auto sent = Channel::to_wire(plan.jump[0], frozen_(begin));
+        for (;;) {  // at most 8 times
+            curve_ = before;
+            const float places = power_of_two(fraction_bits(Order - 1) - shift);
+            for (std::size_t d = 0; d < D; ++d) knot.jump[d] = to_integer(sent[d] * places);
+            knot.shift = static_cast<std::uint8_t>(shift);
+            curve_.advance(knot.ticks, knot.jump, knot.shift, params_.tick_ns);
+            if (settled || shift == 0 || serves(begin, end)) return;
+            shift = shift > 4 ? shift - 4 : 0;
+        }
+    }
+
+    /// Does the curve beyond a knot at `begin` serve the samples of its first interval?
+    bool serves(float begin, float end) noexcept {
+        const Polynomial<D, Order> p{curve_.span};
+        const std::size_t covered = search_.plan().covers;
+        for (std::size_t i = 0; i < rounding_max && i < own_ && i < covered; ++i) {
+            const auto& sample = samples_[i];
+            if (sample.u > end) break;
+            credit_ -= Knots::Fitter::test_cost;
+            if (judge_.error(p(sample.u - begin), judge_.coordinates(sample.value)) > 0.9995f)
+                return false;
+        }
+        return true;
     }
 
     Params params_{};
@@ -382,11 +453,14 @@ class Reducer {
     Polynomial<D, Order> frozen_{};
     Frozen out_{};
     Counters counters_{};
+    Credit credit_{0};
+    std::size_t own_{0};  // samples of the curve that is being built
     std::uint32_t records_{0};
     std::uint32_t cover_ticks_{0};
     std::int64_t epoch_ns_{0};
     std::int64_t last_ns_{0};
     Value last_{};
+    std::uint16_t pending_record_{0};  // of the oldest sample that out_ covers
     bool any_{false};
     bool active_{false};
 };

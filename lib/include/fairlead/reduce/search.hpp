@@ -1,12 +1,12 @@
 #pragma once
-// The search for few knots: a resumable state machine, one fit per step.
+// The search for few knots: a resumable state machine that proposes plans and judges their fits.
 //
 // A plan covers the whole look-ahead. While new samples fit it, knots are dropped on trial and
 // moved to better places; when one does not fit, the knots near it are moved, else a knot is
 // inserted, else the end is bent. Changes are local: what stands well before them stays as it is,
 // which keeps fits short and a tight plan feasible. The plan is advice: what is emitted is checked
-// on its own (reduce/reducer.hpp), so that stopping at any step is safe and more steps per sample
-// only mean fewer knots.
+// on its own (reduce/reducer.hpp), so that stopping anywhere is safe and more work per sample only
+// means fewer knots.
 #include <cstddef>
 #include <cstdint>
 
@@ -14,6 +14,16 @@
 #include "fairlead/reduce/land.hpp"
 
 namespace fairlead {
+
+/// Places by which a jump is rounded when its first interval is `length` ticks: to 2^-4 of a unit
+/// at the interval's end.
+template <std::size_t Order>
+int jump_shift(float length) noexcept {
+    float power = 1;
+    for (std::size_t m = 1; m < Order; ++m) power *= length > 1 ? length : 1;
+    const int shift = fraction_bits(Order - 1) - 4 - floor_log2(power);
+    return shift < 0 ? 0 : (shift < 28 ? shift : 28);
+}
 
 template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizons>
 class Search {
@@ -24,18 +34,20 @@ class Search {
     using KnotPlan = typename Fitter::KnotPlan;
     using Walk = typename Fitter::Walk;
     using Land = Landing<Channel, MaxKnots>;
+    using Vector = std::array<float, D>;
 
     /// What a step looks at; valid for that step only.
     struct View : Fitter::Problem {
         std::int32_t low;     // no knot before this tick: the curve is final up to there
         std::uint32_t delay;  // records that a sample may wait
-        bool partial{false};  // more samples are there than the search looks at now
+        float soon;           // a knot before this tick will be final soon
     };
 
     const KnotPlan& plan() const noexcept { return plan_; }
 
     void reset() noexcept {
         plan_ = {};
+        fitter_.cancel();
         stage_ = Stage::idle;
         stuck_at_ = 0;
         refitted_ = false;
@@ -53,75 +65,83 @@ class Search {
 
     /// The first n samples left the window.
     void drop(std::size_t n) noexcept {
-        for (KnotPlan* p : {&plan_, &base_, &current_, &best_}) {
-            p->covers -= n < p->covers ? n : p->covers;
-            p->worst_at -= n < p->worst_at ? n : p->worst_at;
-        }
+        for (KnotPlan* p : {&plan_, &current_, &best_, &trial_}) p->drop(n);
+        fitter_.drop(n);
         horizon_ -= n < horizon_ ? n : horizon_;
         stuck_at_ = 0;
+        if (horizon_ == 0) idle();
     }
 
-    /// The first planned knot became final: what is left of the plan, in the new span's ticks.
+    /// The first planned knot became final, its jump rounded: what is left of the plan, in the new
+    /// span's ticks, must be tested again.
     void froze(std::int32_t ticks) noexcept {
         plan_.erase(0);
+        plan_.settled = -1;
         if (plan_.landing > plan_.size) plan_.landing = plan_.size;
         for (std::size_t i = 0; i < plan_.size; ++i) plan_.knot[i] -= ticks;
         for (std::size_t i = 0; i < hints_; ++i) hint_[i] -= ticks;
-        stage_ = Stage::idle;
+        rounded();
+    }
+
+    /// The frozen polynomial is not quite what was planned.
+    void rounded() noexcept {
+        idle();
+        doubted_ = true;
         stuck_at_ = 0;
     }
 
-    /// Does the plan hold as it stands? Recounts the samples that it covers.
-    bool holds(const View& v) noexcept {
-        trial_ = plan_;
-        const bool all = fitter_.check(v, limit, trial_);
-        plan_.covers = trial_.covers;
-        return all;
-    }
-
-    /// Fits the planned knots anew; keeps the plan as it is where that does not hold everywhere.
-    bool refit(const View& v, std::size_t passes) noexcept {
-        trial_ = plan_;
-        if (!fit(v, 0, passes, trial_)) return false;
-        return accept(trial_);
-    }
-
     /// A curve must start now: the longest leading part that one polynomial serves, by halving.
-    void start_over(const View& v) noexcept {
+    void start_over(const View& v, Credit& credit) noexcept {
         reset();
-        View part = v;
-        part.free = true;
-        for (; part.count > 0; part.count /= 2)
-            if (fitter_(part, 0, soft_passes, limit, plan_)) return;
+        typename Fitter::Problem part{v.samples, v.count, none_, v.frozen, v.judge, true};
+        if (part.count > start_max) part.count = start_max;
+        for (; part.count > 0; part.count /= 2) {
+            trial_ = {};
+            fitter_.start(part, 0, 1, limit, trial_);
+            Credit ample = 1 << 30;
+            fitter_.run(part, trial_, ample);
+            credit -= (1 << 30) - ample;
+            if (fitter_.succeeded()) break;
+        }
+        plan_ = trial_;
+        if (part.count == 0) plan_ = {};
     }
 
-    /// One bounded piece of work. @return false when there is nothing worth doing.
-    bool step(const View& whole) noexcept {
+    /// Goes on with the search. @return false when there is nothing worth doing.
+    bool step(const View& whole, Credit& credit) noexcept {
         if (whole.count == 0) return false;
+        credit -= step_cost;
         if (stage_ == Stage::idle) set_horizon(whole);
         View v = whole;
         v.count = horizon_ < whole.count ? horizon_ : whole.count;
-        v.partial = v.count < whole.count;
-        switch (stage_) {
-            case Stage::idle: return begin(v);
-            case Stage::land: return land(v);
-            case Stage::move: return move(v);
-            case Stage::insert: return insert(v);
-            case Stage::dense: return dense(v);
-            case Stage::append: return append(v);
-            case Stage::drop: return drop_one(v);
-            case Stage::drop_harder: return drop_harder(v);
-            case Stage::polish: return polish(v);
+        partial_ = v.count < whole.count;
+        if (!fitter_.busy()) {
+            fitting_ = false;
+            if (!propose(v, credit)) return false;
+            if (!fitting_) return true;
         }
-        return false;
+        if (partial_) {
+            const typename Fitter::Problem known{v.samples, v.count, none_,
+                                                 v.frozen,  v.judge, v.free};
+            fitter_.run(known, trial_, credit);
+        } else {
+            fitter_.run(v, trial_, credit);
+        }
+        if (!fitter_.busy()) conclude(v, fitter_.succeeded());
+        return true;
     }
 
     static constexpr float limit = 0.998f;  // planning keeps this much below the tolerance
-    static constexpr std::size_t hard_passes = 12, soft_passes = 3;
+    static constexpr Credit step_cost = 300 + 20 * static_cast<Credit>(MaxKnots);
+    static constexpr Credit landing_cost = 2500, rest_cost = 15 + 12 * D;
 
   private:
     enum class Stage : std::uint8_t {
         idle,
+        verify,
+        repair,
+        settle,
+        renew,
         land,
         move,
         insert,
@@ -131,35 +151,159 @@ class Search {
         drop_harder,
         polish
     };
-    enum class Goal : std::uint8_t { repair, insertion, removal };
+    enum class Goal : std::uint8_t { insertion, removal };
+    static constexpr std::size_t hard_passes = 8, move_passes = 4, soft_passes = 3;
     static constexpr std::size_t grid = 12;          // places that an insertion tries
+    static constexpr std::size_t finalists = 3;      // of which it tries with effort
+    static constexpr std::size_t move_budget = 16;   // moves tried before a knot is given up
     static constexpr std::size_t bends = 5;          // places that a bend of the end tries
     static constexpr std::size_t tail = 4;           // free knots before a change
     static constexpr float hopeless = 3;             // errors beyond: moving knots will not do
-    static constexpr std::uint32_t drop_period = 8;  // samples between two rounds of removal
+    static constexpr std::uint32_t drop_period = 4;  // samples between two rounds of removal
     static constexpr std::size_t catch_up_max = 16;  // samples tested at once
     static constexpr std::size_t reach = 8;          // samples that a plan behind looks further
+    static constexpr std::size_t start_max = 32;     // samples of a curve that must start at once
 
-    bool fit(const View& v, std::size_t head, std::size_t passes, KnotPlan& plan) noexcept {
-        const bool ok = v.partial ? fit_without_future(v, head, passes, plan)
-                                  : fitter_(v, head, passes, limit, plan);
+    // ---- the frame of every stage: propose a trial and have it fitted, then judge it
+    bool propose(const View& v, Credit& credit) noexcept {
+        switch (stage_) {
+            case Stage::idle: return begin(v, credit);
+            case Stage::land: return propose_landing(v, credit);
+            case Stage::move: return propose_move(v, credit);
+            case Stage::insert: return propose_insertion(v);
+            case Stage::dense: return propose_dense(v);
+            case Stage::append: return propose_append(v);
+            case Stage::drop: return propose_drop(v);
+            case Stage::drop_harder: return propose_hard_drop(v);
+            case Stage::polish: return propose_polish(v);
+            case Stage::settle: return propose_settling(v);
+            case Stage::verify:
+            case Stage::repair:
+            case Stage::renew: break;
+        }
+        idle();  // its fit was cut off
+        return true;
+    }
+
+    void conclude(const View& v, bool ok) noexcept {
         // a plan that is behind takes whatever serves it longer
-        if (!ok && plan.covers > plan_.covers + 1 && valid(v, plan)) plan_ = plan;
-        return ok;
-    }
-    bool fit_without_future(const View& v, std::size_t head, std::size_t passes,
-                            KnotPlan& plan) noexcept {
-        const typename Fitter::Problem known{v.samples, v.count, none_, v.frozen, v.judge, v.free};
-        return fitter_(known, head, passes, limit, plan);
+        if (!ok && stage_ != Stage::verify && trial_.covers > plan_.covers + 1 && valid(v, trial_))
+            plan_ = trial_;
+        if (ok && !valid(v, trial_)) ok = false;
+        switch (stage_) {
+            case Stage::verify: return verified();
+            case Stage::repair: return ok ? accept(trial_) : repair(v);
+            case Stage::settle: return ok ? accept(trial_) : void();
+            case Stage::renew:
+                if (ok) plan_ = trial_;
+                return idle();
+            case Stage::land: return landed(ok);
+            case Stage::move: return moved(ok);
+            case Stage::insert: return inserted(ok);
+            case Stage::dense:
+                if (!ok) return;
+                hints_ = 0;
+                return accept(trial_);
+            case Stage::append: return ok ? accept(trial_) : void();
+            case Stage::drop: return dropped(ok);
+            case Stage::drop_harder: return hard_dropped(ok);
+            case Stage::polish: return polished(ok);
+            case Stage::idle: return;
+        }
     }
 
+    /// Has trial_ fitted behind its first `head` knots.
+    bool fit(const View& v, std::size_t head, std::size_t passes) noexcept {
+        fitting_ = true;
+        fitter_.start(v, head, passes, limit, trial_);
+        return true;
+    }
+
+    void idle() noexcept {
+        fitter_.cancel();
+        stage_ = Stage::idle;
+    }
+
+    void accept(const KnotPlan& p) noexcept {
+        reach_ = reach;
+        plan_ = p;
+        idle();
+    }
+
+    bool begin(const View& v, Credit& credit) noexcept {
+        if (doubted_) {
+            doubted_ = false;
+            stage_ = Stage::verify;
+            trial_ = plan_;
+            fitting_ = true;
+            fitter_.start_test(v, limit, trial_);
+            return true;
+        }
+        if (plan_.covers < v.count) {
+            if (stuck_at_ == v.count) return false;
+            if (!start_landing(v, credit)) start_repair(v);
+            return true;
+        }
+        if (plan_.landing > 0) return false;  // at rest there is nothing to improve
+        if (plan_.size > 0 && plan_.settled < 0 && static_cast<float>(plan_.knot[0]) < v.soon) {
+            stage_ = Stage::settle;
+            cell_ = 0;
+            return true;
+        }
+        if (age_ >= drop_period && plan_.size > 0) {
+            start_drops();
+            return true;
+        }
+        if (!refitted_) {
+            refitted_ = true;
+            stage_ = Stage::renew;
+            trial_ = plan_;
+            return fit(v, loose(0), 0);
+        }
+        return start_polish();
+    }
+
+    // ---- settling: the first knot will be final soon; the others adapt to its rounded jump
+    bool propose_settling(const View& v) noexcept {
+        static constexpr int finer[] = {0, 3, 6, 10};
+        if (cell_ >= 4 || plan_.size == 0) {
+            idle();
+            return true;
+        }
+        trial_ = plan_;
+        const float until =
+            plan_.size > 1 ? static_cast<float>(plan_.knot[1]) : v.samples[v.count - 1].u;
+        const int coarse =
+            jump_shift<Order>(until - static_cast<float>(plan_.knot[0])) - finer[cell_];
+        trial_.settled = static_cast<std::int8_t>(coarse > 0 ? coarse : 0);
+        const Vector at = v.frozen(static_cast<float>(plan_.knot[0]));
+        Vector sent = Channel::to_wire(plan_.jump[0], at);
+        const float places = power_of_two(fraction_bits(Order - 1) - trial_.settled);
+        for (std::size_t d = 0; d < D; ++d)
+            sent[d] = static_cast<float>(to_integer(sent[d] * places)) / places;
+        trial_.jump[0] = Channel::from_wire(sent, at);
+        ++cell_;
+        return fit(v, 1, soft_passes);
+    }
+    /// A head that leaves a settled knot as it is.
+    std::size_t loose(std::size_t head) const noexcept {
+        return head == 0 && plan_.settled >= 0 ? 1 : head;
+    }
+
+    void verified() noexcept {
+        const bool was_behind = plan_.covers < trial_.covers;
+        if (!was_behind) plan_.covers = trial_.covers;
+        idle();
+    }
+
+    // ---- how far to look
     /// Counts on over the samples that the plan serves as it stands.
     void catch_up(const View& v) noexcept {
         Walk walk{v.frozen, v.free, plan_};
         for (std::size_t i = 0; i < catch_up_max && plan_.covers < v.count; ++i) {
-            const std::size_t k = plan_.covers;
-            const auto y = walk.at(v.samples.u[k], plan_);
-            if (!(v.judge.error(y, v.samples.x[k]) <= limit)) return;
+            const auto& sample = v.samples[plan_.covers];
+            const auto y = walk.at(sample.u, plan_);
+            if (!(v.judge.error(y, v.judge.coordinates(sample.value)) <= limit)) return;
             ++plan_.covers;
         }
     }
@@ -167,10 +311,11 @@ class Search {
     /// A plan that has fallen behind the window catches up piece by piece; the knots that it had
     /// further on wait as hints.
     void set_horizon(const View& v) noexcept {
+        if (plan_.covers > v.count) plan_.covers = v.count;
         catch_up(v);
         horizon_ = plan_.covers + (urgent_at(plan_.covers, v.delay) ? 4 * reach_ : reach_);
         if (horizon_ > v.count) horizon_ = v.count;
-        const float end = v.samples.u[horizon_ - 1];
+        const float end = v.samples[horizon_ - 1].u;
         if (horizon_ < v.count)
             while (plan_.size > 0 && static_cast<float>(plan_.knot[plan_.size - 1]) >= end)
                 put_off(plan_.knot[--plan_.size]);
@@ -178,7 +323,7 @@ class Search {
             const std::int32_t at = hint_[--hints_];
             const bool fits = plan_.size == 0 || plan_.knot[plan_.size - 1] < at;
             const bool later =
-                plan_.covers == 0 || static_cast<float>(at) >= v.samples.u[plan_.covers - 1];
+                plan_.covers == 0 || static_cast<float>(at) >= v.samples[plan_.covers - 1].u;
             if (fits && later && plan_.size < MaxKnots) plan_.insert(at);
         }
     }
@@ -189,62 +334,25 @@ class Search {
     }
 
     bool valid(const View& v, const KnotPlan& p) const noexcept {
-        const std::int32_t first = v.free || v.low < 1 ? 1 : v.low;
+        const std::int32_t first = first_place(v);
         for (std::size_t i = 0; i < p.size; ++i) {
             if (p.knot[i] < (i ? p.knot[i - 1] + 1 : first)) return false;
-            if (static_cast<float>(p.knot[i]) >= v.samples.u[v.count - 1]) return false;
+            if (static_cast<float>(p.knot[i]) >= v.samples[v.count - 1].u) return false;
         }
         return true;
     }
 
+    /// The first tick at which a knot may stand.
+    static std::int32_t first_place(const View& v) noexcept {
+        return v.free || v.low < 1 ? 1 : v.low;
+    }
     /// Knots before sample i.
     static std::size_t knots_before(const View& v, const KnotPlan& p, std::size_t i) noexcept {
-        std::size_t n = 0;
-        while (n < p.size && static_cast<float>(p.knot[n]) < v.samples.u[i]) ++n;
-        return n;
+        return i < v.count ? p.knots_before(v.samples[i].u) : p.size;
     }
     /// The head that stays as it is when something `back` knots before knot i changes.
     static std::size_t head_before(std::size_t i, std::size_t back) noexcept {
         return i > back ? i - back : 0;
-    }
-
-    bool begin(const View& v) noexcept {
-        if (plan_.covers < v.count) {
-            if (stuck_at_ == v.count) return false;
-            if (start_landing(v)) return true;
-            return start_repair(v);
-        }
-        if (plan_.landing > 0) return false;  // at rest there is nothing to improve
-        if (age_ >= drop_period && plan_.size > 0) {
-            start_drops(1);
-            return true;
-        }
-        if (!refitted_) {
-            refitted_ = true;
-            trial_ = plan_;
-            if (fit(v, 0, 0, trial_)) plan_ = trial_;
-            return true;
-        }
-        return start_polish();
-    }
-
-    bool accept(const KnotPlan& p) noexcept {
-        reach_ = reach;
-        plan_ = p;
-        stage_ = Stage::idle;
-        return true;
-    }
-
-    /// No plan was found: at least serve the next samples.
-    bool give_up(const View& v) noexcept {
-        stage_ = Stage::idle;
-        if (v.partial && !urgent(v) && reach_ > 1) {
-            reach_ /= 2;  // look less far first
-            return true;
-        }
-        stage_ = urgent(v) ? Stage::dense : Stage::append;
-        cell_ = 0;
-        return true;
     }
 
     /// Behind, and soon due: no time to look for the fewest knots.
@@ -252,19 +360,30 @@ class Search {
         return covers < delay / 4;
     }
     bool urgent(const View& v) const noexcept {
-        return v.partial && urgent_at(plan_.covers, v.delay);
+        return partial_ && urgent_at(plan_.covers, v.delay);
+    }
+
+    /// No plan was found: at least serve the next samples.
+    void give_up(const View& v) noexcept {
+        idle();
+        if (partial_ && !urgent(v) && reach_ > 1) {
+            reach_ /= 2;  // look less far first
+            return;
+        }
+        stage_ = urgent(v) ? Stage::dense : Stage::append;
+        cell_ = 0;
     }
 
     // ---- more knots than needed, evenly, beyond what is served; removal thins them out later
-    bool dense(const View& v) noexcept {
+    bool propose_dense(const View& v) noexcept {
         trial_ = plan_;
         const std::size_t kept = knots_before(v, plan_, plan_.covers);
         trial_.size = kept > 1 ? kept - 1 : 0;
         const std::size_t head = trial_.size;
-        const std::int32_t first = v.free || v.low < 1 ? 1 : v.low;
+        const std::int32_t first = first_place(v);
         const std::int32_t from =
             head > 0 && trial_.knot[head - 1] >= first ? trial_.knot[head - 1] : first - 1;
-        const auto until = static_cast<std::int32_t>(v.samples.u[v.count - 1]);
+        const auto until = static_cast<std::int32_t>(v.samples[v.count - 1].u);
         const std::int32_t parts = 2 << cell_;
         ++cell_;
         const bool room =
@@ -276,38 +395,38 @@ class Search {
         }
         for (std::int32_t k = 0; k < parts; ++k)
             trial_.insert(from + 1 + (until - from - 1) * k / parts);
-        if (!valid(v, trial_) || !fit(v, head, soft_passes, trial_)) return true;
-        hints_ = 0;
-        return accept(trial_);
+        return valid(v, trial_) ? fit(v, head, soft_passes) : true;
     }
 
     // ---- repair: a sample is not served
-    bool start_repair(const View& v) noexcept {
+    void start_repair(const View& v) noexcept {
         level_ = 0;
-        rest_drops_ = 0;
         trial_ = plan_;
         head_ = head_before(knots_before(v, plan_, plan_.covers), tail);
-        if (fit(v, head_, hard_passes, trial_)) return accept(trial_);
-        return repair(v, trial_, Goal::repair);
+        stage_ = Stage::repair;
+        fit(v, head_, hard_passes);
     }
 
-    /// Moves the knots around the worst error, where that can help; else goes on to one more knot.
-    bool repair(const View& v, const KnotPlan& from, Goal goal) noexcept {
-        if (urgent(v) || (v.partial && level_ > 0)) return give_up(v);
-        if (v.partial || from.size == 0 || from.worst > hopeless) return start_insertion(v, from);
-        const std::size_t at = knots_before(v, from, from.worst_at);
-        const bool all = goal == Goal::insertion;
-        head_ = head_before(at, tail);
-        const std::size_t first = all ? head_ : head_before(at, tail - 1);
-        const std::size_t last = all || at + 1 >= from.size ? from.size : at + 1;
-        start_moves(from, first, last, all ? 3 : 2, all ? 60 : 30, goal);
-        return true;
+    /// One more knot, unless time is short.
+    void repair(const View& v) noexcept {
+        if (urgent(v)) return give_up(v);
+        start_insertion(v, trial_);
+    }
+
+    /// No single knot is enough: moves those around the worst error, too.
+    void move_all(const View& v) noexcept {
+        if (partial_) return give_up(v);
+        if (best_.worst > hopeless) return start_insertion(v, best_);
+        head_ = head_before(knots_before(v, best_, best_.worst_at), tail);
+        start_moves(best_, head_, best_.size, 2 * move_budget, Goal::insertion);
     }
 
     // ---- landing: while the newest samples are at rest, end the plan on a constant
-    bool start_landing(const View& v) noexcept {
-        if (v.partial || plan_.landing > 0) return false;
+    bool start_landing(const View& v, Credit& credit) noexcept {
+        if (partial_ || plan_.landing > 0) return false;
         const std::size_t quiet = v.delay / 2 > 60 ? v.delay / 2 : 60;
+        if (v.count < quiet) return false;
+        credit -= static_cast<Credit>(quiet) * rest_cost;
         if (!Land::at_rest(v.samples, v.count, quiet, v.judge, mid_)) return false;
         stage_ = Stage::land;
         cell_ = 0;
@@ -315,35 +434,46 @@ class Search {
         return true;
     }
 
-    bool land(const View& v) noexcept {
+    bool propose_landing(const View& v, Credit& credit) noexcept {
         const std::size_t prefixes = plan_.size + 1;
-        for (; cell_ < 2 * prefixes * Land::candidates; ++cell_) {
+        for (; credit > 0 && cell_ < 2 * prefixes * Land::candidates; ++cell_) {
             const std::size_t count = Order - 1 + cell_ / (prefixes * Land::candidates);
             const std::size_t prefix = cell_ / Land::candidates % prefixes;
+            credit -= step_cost;
             if (found_ && prefix + count >= best_.size) continue;
+            credit -= landing_cost;
             if (!Land::plan(plan_, v.frozen, v.free, prefix, count, cell_ % Land::candidates,
-                            v.free || v.low < 1 ? 0 : v.low, v.samples.u[v.count - 1], mid_,
-                            trial_))
+                            v.free || v.low < 1 ? 0 : v.low, v.samples[v.count - 1].u, mid_,
+                            trial_) ||
+                !valid(v, trial_))
                 continue;
             ++cell_;
-            if (valid(v, trial_) && fitter_.check(v, limit, trial_)) {
-                trial_.landing = count;
-                best_ = trial_;
-                found_ = true;
-            }
+            trial_.landing = count;
+            fitting_ = true;
+            fitter_.start_test(v, limit, trial_);
             return true;
         }
-        if (found_ && valid(v, best_)) return accept(best_);
-        return start_repair(v);
+        if (cell_ < 2 * prefixes * Land::candidates) return true;
+        if (found_ && valid(v, best_))
+            accept(best_);
+        else
+            start_repair(v);
+        return true;
+    }
+
+    void landed(bool ok) noexcept {
+        if (!ok) return;
+        best_ = trial_;
+        found_ = true;
     }
 
     // ---- coordinate search: knots one at a time, by shrinking steps
-    void start_moves(const KnotPlan& from, std::size_t first, std::size_t last, std::size_t rounds,
-                     std::size_t budget, Goal goal) noexcept {
+    void start_moves(const KnotPlan& from, std::size_t first, std::size_t last, std::size_t budget,
+                     Goal goal) noexcept {
         current_ = from;
         first_ = first;
         last_ = last;
-        rounds_ = rounds;
+        rounds_ = 3;
         budget_ = budget;
         goal_ = goal;
         scale_ = 0;
@@ -353,26 +483,33 @@ class Search {
         stage_ = Stage::move;
     }
 
-    bool move(const View& v) noexcept {
+    bool propose_move(const View& v, Credit& credit) noexcept {
         static constexpr float steps[] = {0.08f, 0.03f, 0.01f};
-        const float span = v.samples.u[v.count - 1] - v.samples.u[0];
-        for (std::size_t tries = 0; tries < 4 * MaxKnots; ++tries) {  // to the next valid candidate
-            if (budget_ == 0 || !next_move()) return moves_failed(v);
+        const float span = v.samples[v.count - 1].u - v.samples[0].u;
+        while (credit > 0) {  // to the next valid candidate
+            credit -= step_cost;
+            if (budget_ == 0 || !next_move()) {
+                moves_failed(v);
+                return true;
+            }
             std::int32_t by = to_integer(steps[scale_] * span);
             if (by < 1) by = 1;
             trial_ = current_;
             trial_.knot[knot_] += forward_ ? by : -by;
             if (!valid(v, trial_)) continue;
             --budget_;
-            if (fit(v, head_, current_.worst < 1.5f ? hard_passes : soft_passes, trial_))
-                return moves_succeeded();
-            if (trial_.worst < current_.worst - 1e-4f) {
-                current_ = trial_;
-                improved_ = true;
-            }
-            return true;
+            return fit(v, head_, current_.worst < 1.5f ? move_passes : soft_passes);
         }
         return true;
+    }
+
+    void moved(bool ok) noexcept {
+        if (ok) {
+            accept(trial_);
+        } else if (trial_.worst < current_.worst - 1e-4f) {
+            current_ = trial_;
+            improved_ = true;
+        }
     }
 
     /// Steps through (scale, knot from last to first, direction); repeats while rounds improve.
@@ -397,187 +534,196 @@ class Search {
         return last_ > first_;
     }
 
-    bool moves_succeeded() noexcept {
-        accept(trial_);
-        if (goal_ != Goal::repair && rest_drops_ > 0) start_drops(rest_drops_);
-        return true;
-    }
-
-    bool moves_failed(const View& v) noexcept {
-        stage_ = Stage::idle;
-        if (goal_ == Goal::removal) {
-            if (++tried_ < 2) stage_ = Stage::drop_harder;
-            return true;
-        }
-        return start_insertion(v, current_);
+    void moves_failed(const View& v) noexcept {
+        idle();
+        if (goal_ != Goal::removal) return start_insertion(v, current_);
+        if (++tried_ < 2) stage_ = Stage::drop_harder;
     }
 
     // ---- insertion: one more knot on a coarse grid around the worst error
-    bool start_insertion(const View& v, const KnotPlan& base) noexcept {
-        if (base.size >= MaxKnots || level_ >= MaxKnots) return give_up(v);
+    void start_insertion(const View& v, const KnotPlan& from) noexcept {
+        if (from.size >= MaxKnots || level_ >= MaxKnots) return give_up(v);
         ++level_;
-        base_ = base;
+        if (&from != &current_) current_ = from;
         stage_ = Stage::insert;
         cell_ = 0;
+        tried_ = 0;
         found_ = false;
         low_worst_ = 1e30f;
-        const std::size_t at = knots_before(v, base, base.worst_at);
+        const std::size_t at = knots_before(v, current_, current_.worst_at);
         head_ = head_before(at, tail);
-        cell_low_ = at >= 2 ? static_cast<float>(base.knot[at - 2])
+        cell_low_ = at >= 2 ? static_cast<float>(current_.knot[at - 2])
                             : static_cast<float>(v.free ? 0 : v.low);
-        cell_high_ =
-            at + 1 < base.size ? static_cast<float>(base.knot[at + 1]) : v.samples.u[v.count - 1];
-        return true;
+        cell_high_ = at + 1 < current_.size ? static_cast<float>(current_.knot[at + 1])
+                                            : v.samples[v.count - 1].u;
     }
 
-    bool insert(const View& v) noexcept {
-        if (cell_ < grid) {
-            trial_ = base_;
-            trial_.insert(to_integer(cell_low_ + (cell_high_ - cell_low_) *
-                                                     (static_cast<float>(cell_) + 0.5f) / grid));
-            ++cell_;
-            if (!valid(v, trial_)) return true;
-            const bool deep = base_.worst < hopeless;
-            if (fit(v, head_, deep ? hard_passes : soft_passes, trial_)) {
-                if (!found_ || trial_.objective < best_.objective) best_ = trial_;
-                found_ = true;
-            } else if (!found_ && trial_.worst < low_worst_) {
-                low_worst_ = trial_.worst;
-                best_ = trial_;
-            }
-            return true;
+    bool propose_insertion(const View& v) noexcept {
+        if (cell_ < grid) {  // every place by a quick fit
+            score_[cell_] = 1e30f;
+            return insert_at(v, cell_++, 0);
+        }
+        while (tried_ < finalists) {  // the best of them with effort
+            ++tried_;
+            std::size_t best = 0;
+            for (std::size_t i = 1; i < grid; ++i)
+                if (score_[i] < score_[best]) best = i;
+            if (score_[best] > 1e29f) break;
+            score_[best] = 1e30f;
+            return insert_at(v, best, current_.worst < hopeless ? hard_passes : soft_passes);
         }
         if (found_ && valid(v, best_)) {
             accept(best_);
-            if (!v.partial) start_drops(3);
-            return true;
+            if (!partial_) start_drops();
+        } else if (found_ || low_worst_ > 1e29f) {
+            give_up(v);
+        } else {
+            move_all(v);
         }
-        if (found_ || low_worst_ > 1e29f) return give_up(v);
-        rest_drops_ = 3;
-        return repair(v, best_, Goal::insertion);
+        return true;
+    }
+
+    bool insert_at(const View& v, std::size_t cell, std::size_t passes) noexcept {
+        trial_ = current_;
+        trial_.insert(to_integer(cell_low_ + (cell_high_ - cell_low_) *
+                                                 (static_cast<float>(cell) + 0.5f) / grid));
+        return valid(v, trial_) ? fit(v, head_, passes) : true;
+    }
+
+    void inserted(bool ok) noexcept {
+        if (tried_ == 0) score_[cell_ - 1] = trial_.worst;
+        if (ok) {
+            if (!found_ || trial_.objective < best_.objective) best_ = trial_;
+            found_ = true;
+        } else if (!found_ && trial_.worst < low_worst_) {
+            low_worst_ = trial_.worst;
+            best_ = trial_;
+        }
     }
 
     // ---- the last resort: leave the plan as it is and bend only its end, as early as that serves
-    bool append(const View& v) noexcept {
+    bool propose_append(const View& v) noexcept {
         const bool possible = plan_.size < MaxKnots && plan_.covers > 0 && plan_.covers < v.count;
-        const float newest = possible ? v.samples.u[plan_.covers - 1] : 0;
+        const float newest = possible ? v.samples[plan_.covers - 1].u : 0;
         const std::int32_t last = static_cast<std::int32_t>(newest) + (newest > 0 ? 1 : 0);
-        std::int32_t first = v.free || v.low < 1 ? 1 : v.low;
+        std::int32_t first = first_place(v);
         if (plan_.size > 0 && plan_.knot[plan_.size - 1] >= first)
             first = plan_.knot[plan_.size - 1] + 1;
         if (!possible || cell_ > bends || last < first) {
-            stage_ = Stage::idle;
-            if (reach_ > 1)
+            idle();
+            if (reach_ > 1) {
                 reach_ /= 2;  // look less far first
-            else
-                stuck_at_ = v.count;
-            return reach_ > 1;
+                return true;
+            }
+            stuck_at_ = v.count;
+            return false;
         }
         trial_ = plan_;
         trial_.insert(first + (last - first) * static_cast<std::int32_t>(cell_) /
                                   static_cast<std::int32_t>(bends));
         ++cell_;
-        if (!valid(v, trial_) || !fit(v, plan_.size, soft_passes, trial_)) return true;
-        return accept(trial_);
+        return valid(v, trial_) ? fit(v, plan_.size, soft_passes) : true;
     }
 
     // ---- removal: every knot in turn by a plain fit, then the two most promising with effort
-    void start_drops(std::size_t times) noexcept {
-        stage_ = plan_.size > 0 ? Stage::drop : Stage::idle;
-        rest_drops_ = times - 1;
-        cell_ = 0;
+    void start_drops() noexcept {
+        first_ = plan_.settled >= 0 ? 1 : 0;
+        stage_ = plan_.size > first_ ? Stage::drop : Stage::idle;
+        cell_ = first_;
         tried_ = 0;
         age_ = 0;
     }
 
-    bool drop_one(const View& v) noexcept {
-        if (cell_ < plan_.size) {
-            trial_ = plan_;
-            trial_.erase(cell_);
-            const bool ok = fit(v, head_before(cell_, tail - 1), 0, trial_);
-            score_[cell_] = trial_.worst;
-            ++cell_;
-            if (ok) return dropped(trial_);
+    bool propose_drop(const View& v) noexcept {
+        if (cell_ >= plan_.size) {
+            stage_ = Stage::drop_harder;
             return true;
         }
-        stage_ = Stage::drop_harder;
-        return drop_harder(v);
+        trial_ = plan_;
+        trial_.erase(cell_);
+        return fit(v, loose(head_before(cell_, tail - 1)), 0);
     }
 
-    bool drop_harder(const View& v) noexcept {
-        std::size_t best = 0;
-        for (std::size_t i = 1; i < plan_.size && i < cell_; ++i)
+    void dropped(bool ok) noexcept {
+        score_[cell_++] = trial_.worst;
+        if (ok) accept(trial_);
+    }
+
+    bool propose_hard_drop(const View& v) noexcept {
+        std::size_t best = plan_.settled >= 0 ? 1 : 0;
+        const bool any = best < plan_.size && best < cell_;
+        for (std::size_t i = best + 1; i < plan_.size && i < cell_; ++i)
             if (score_[i] < score_[best]) best = i;
-        if (plan_.size == 0 || cell_ == 0 || score_[best] > 6) {
-            stage_ = Stage::idle;
+        if (!any || score_[best] > 6) {
+            idle();
             return true;
         }
         trial_ = plan_;
         trial_.erase(best);
         score_[best] = 1e30f;
-        head_ = head_before(best, tail - 1);
-        if (fit(v, head_, hard_passes, trial_)) return dropped(trial_);
-        if (trial_.size == 0) {
-            stage_ = ++tried_ < 2 ? Stage::drop_harder : Stage::idle;
-            return true;
-        }
-        const std::size_t last = best + 2 < trial_.size ? best + 2 : trial_.size;
-        start_moves(trial_, head_, last, 3, 30, Goal::removal);
-        return true;
+        knot_ = best;
+        head_ = loose(head_before(best, tail - 1));
+        return fit(v, head_, hard_passes);
     }
 
-    bool dropped(const KnotPlan& p) noexcept {
-        accept(p);
-        if (rest_drops_ > 0) start_drops(rest_drops_);
-        return true;
+    void hard_dropped(bool ok) noexcept {
+        if (ok) return accept(trial_);
+        if (trial_.size == 0) {
+            if (++tried_ >= 2) idle();
+            return;
+        }
+        const std::size_t last = knot_ + 2 < trial_.size ? knot_ + 2 : trial_.size;
+        start_moves(trial_, head_, last, move_budget, Goal::removal);
     }
 
     // ---- polish: with time left, knots go where the fit (and the predicted future) is better
     bool start_polish() noexcept {
-        if (plan_.size == 0 || polished_ >= plan_.size) return false;
+        if (polished_ == 0 && plan_.settled >= 0) polished_ = 1;
+        if (polished_ >= plan_.size) return false;
         knot_ = polished_++;
         cell_ = 0;
         stage_ = Stage::polish;
         return true;
     }
 
-    bool polish(const View& v) noexcept {
+    bool propose_polish(const View& v) noexcept {
         static constexpr std::int32_t by[] = {0, 8, -8, 2, -2};
         if (cell_ >= 5 || knot_ >= plan_.size || plan_.covers < v.count) {
-            stage_ = Stage::idle;
+            idle();
             return true;
         }
         trial_ = plan_;
         trial_.knot[knot_] += by[cell_];
-        const bool first = cell_ == 0;
         ++cell_;
-        if (!valid(v, trial_)) return true;
-        const bool ok = fit(v, head_before(knot_, 2), soft_passes, trial_);
-        if (first) {
+        return valid(v, trial_) ? fit(v, loose(head_before(knot_, 2)), soft_passes) : true;
+    }
+
+    void polished(bool ok) noexcept {
+        if (cell_ == 1) {
             merit_ = ok ? trial_.objective : 1e30f;
             if (ok) plan_ = trial_;
         } else if (ok && trial_.objective < merit_ * 0.999f) {
             merit_ = trial_.objective;
             plan_ = trial_;
         }
-        return true;
     }
 
     Fitter fitter_{};
     typename Fitter::Ahead none_{};
-    KnotPlan plan_{}, trial_{}, base_{}, current_{}, best_{};
+    KnotPlan plan_{}, trial_{}, current_{}, best_{};
     std::array<float, MaxKnots> score_{};
     std::array<std::int32_t, MaxKnots> hint_{};
     std::array<float, D> mid_{};
     Stage stage_{Stage::idle};
-    Goal goal_{Goal::repair};
+    Goal goal_{Goal::insertion};
     std::size_t head_{0}, first_{0}, last_{0}, rounds_{0}, budget_{0}, scale_{0}, knot_{0},
         cell_{0};
-    std::size_t tried_{0}, rest_drops_{0}, level_{0}, polished_{0}, hints_{0};
+    std::size_t tried_{0}, level_{0}, polished_{0}, hints_{0};
     std::size_t stuck_at_{0}, horizon_{0}, reach_{reach};
     std::uint32_t age_{0};
     float low_worst_{0}, cell_low_{0}, cell_high_{0}, merit_{0};
     bool forward_{false}, improved_{false}, found_{false}, refitted_{false};
+    bool fitting_{false}, partial_{false}, doubted_{false};
 };
 
 }  // namespace fairlead

@@ -20,9 +20,12 @@ constexpr int fraction_bits(std::size_t m) noexcept { return 12 + 6 * static_cas
 
 /// 2^e as a float, |e| <= 126.
 constexpr float power_of_two(int e) noexcept {
+    int n = e < 0 ? -e : e;
+    if (n > 126) n = 126;
     float p = 1;
-    for (int i = 0; i < (e < 0 ? -e : e) && i < 126; ++i) p = e < 0 ? p / 2 : p * 2;
-    return p;
+    for (; n >= 30; n -= 30) p *= 1073741824.0f;
+    p *= static_cast<float>(std::uint32_t{1} << n);
+    return e < 0 ? 1 / p : p;
 }
 
 /// Nearest integer to y, halves away from zero, clamped to +-2^30. NaN gives 0.

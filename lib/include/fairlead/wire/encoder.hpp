@@ -21,22 +21,26 @@ struct Bytes {
     constexpr bool empty() const noexcept { return size == 0; }
 };
 
+/// Work per push and channel on the search, in instructions of a Cortex-M4F, about.
+inline constexpr Credit slice_small = 20000, slice_medium = 90000, slice_large = 360000;
+
 struct EncoderParams {
     std::array<float, 3> tol_position_m{0.001f, 0.001f, 0.001f};
     float tol_orientation_rad{0.0043633f};
     std::uint32_t tick_ns{4000000};  // grid of the knots, at most the smallest sample spacing
     std::uint32_t delay_max{60};     // records
     std::int64_t restart_interval_ns{2000000000};
-    std::uint32_t slice{4};            // search steps per push and channel
+    std::uint32_t goal{0};  // records that a frame leaves open where it can; 0: half of delay_max
     std::uint32_t event_delay_max{0};  // records that an event may wait for company
     bool position{true};
     bool orientation{true};
 };
 
-/// N: ring capacity in samples, the largest delay_max. Memory: sizeof. Work per push: `slice`
-/// search steps, and at most max_frames advances per channel. Events: discrete events that may wait
-/// between two records, and channels of them that a late joiner learns of.
-template <std::size_t N, std::size_t Events = 8>
+/// N: ring capacity in samples, the largest delay_max. Slice: work per push and channel on the
+/// search for few knots, in instructions of a Cortex-M4F, about; beside it a push costs what
+/// BOUNDS.md says. Events: discrete events that may wait between two records, and channels of them
+/// that a late joiner learns of. Memory: sizeof.
+template <std::size_t N, Credit Slice = slice_medium, std::size_t Events = 8>
 class Encoder {
   public:
     using PositionReducer = Reducer<VectorChannel<3>, N>;
@@ -44,8 +48,9 @@ class Encoder {
 
     explicit Encoder(const EncoderParams& params) noexcept
         : params_{params},
-          position_{{params.tol_position_m, params.tick_ns, params.delay_max}},
-          orientation_{{params.tol_orientation_rad, params.tick_ns, params.delay_max}} {
+          position_{{params.tol_position_m, params.tick_ns, params.delay_max, goal(params)}},
+          orientation_{
+              {params.tol_orientation_rad, params.tick_ns, params.delay_max, goal(params)}} {
         position_link_.scale = position_.scale();
         orientation_link_.scale = orientation_.scale();
     }
@@ -60,11 +65,12 @@ class Encoder {
              position_gap_);
         feed(orientation_, params_.orientation && (pose.flags & flag::orientation_valid), pose,
              pose.q_wb, flag::gap_before | flag::orientation_gap, orientation_gap_);
-        position_.work(params_.slice);
-        orientation_.work(params_.slice);
-        for (std::size_t i = 0; i < max_frames; ++i) {  // more than one only where a curve ends
+        const bool closing = position_.closing() || orientation_.closing();
+        position_.work(Slice, closing);
+        orientation_.work(Slice, closing);
+        for (std::size_t i = 0; i < max_frames; ++i) {  // more than one only where a curve starts
             if (!position_.due() && !orientation_.due() && !restart_due()) break;
-            frame(params_.delay_max / 2);
+            frame();
         }
         let_out_events(size_ > 0 ? 0 : params_.event_delay_max);
         return {out_.data(), size_};
@@ -81,13 +87,15 @@ class Encoder {
         return {out_.data(), size_};
     }
 
-    /// Makes everything final; call until it returns nothing. Costs flush_slices slices of a push.
+    /// Makes everything final; call until it returns nothing. A call costs what a push costs.
     Bytes flush() noexcept {
         size_ = 0;
         if (!position_.empty() || !orientation_.empty()) {
-            position_.work(flush_slices * params_.slice);
-            orientation_.work(flush_slices * params_.slice);
-            frame(0);
+            position_.work(Slice, true);
+            orientation_.work(Slice, true);
+            position_.close();
+            orientation_.close();
+            frame();
         }
         let_out_events(0);
         position_gap_ = orientation_gap_ = true;  // what comes later starts new curves
@@ -99,10 +107,13 @@ class Encoder {
     std::uint32_t frames() const noexcept { return sequence_; }
     std::uint32_t refused_events() const noexcept { return events_.refused(); }
 
-    static constexpr std::size_t flush_slices = 16;
-    static constexpr std::size_t max_frames = 3;  // a push completes at most
+    static constexpr std::size_t max_frames = 2;  // a push completes at most
 
   private:
+    static std::uint32_t goal(const EncoderParams& p) noexcept {
+        return p.goal ? p.goal : p.delay_max / 2;
+    }
+
     template <class Reduction>
     void feed(Reduction& reduction, bool valid, const Pose& pose,
               const typename Reduction::Value& value, std::uint32_t gap_flags, bool& gap) noexcept {
@@ -132,7 +143,7 @@ class Encoder {
     }
 
     /// One frame with what both channels can make final.
-    void frame(std::uint32_t goal) noexcept {
+    void frame() noexcept {
         BitWriter io{out_.data() + size_ + 2, wire::max_payload};
         const bool restart = restart_wanted_ || restart_due();
         if (restart) {
@@ -145,18 +156,15 @@ class Encoder {
             last_restart_ns_ = now_ns_;
             events_.repeat();
         }
-        put(io, position_, position_link_, goal);
-        put(io, orientation_, orientation_link_, goal);
+        put(io, position_, position_link_);
+        put(io, orientation_, orientation_link_);
         FAIRLEAD_ASSERT(io.ok());
         seal(restart, io.size());
     }
 
     template <class Reduction, class Channel>
-    void put(BitWriter& io, Reduction& reduction, wire::Link<Channel>& link,
-             std::uint32_t goal) noexcept {
-        typename Reduction::Frozen batch{};
-        if (!reduction.empty() && (reduction.due() || reduction.age() >= goal))
-            batch = reduction.advance(goal);
+    void put(BitWriter& io, Reduction& reduction, wire::Link<Channel>& link) noexcept {
+        typename Reduction::Frozen batch = reduction.take();
         wire::content(io, link, batch, header_.base_ns, params_.tick_ns);
         wire::follow_start(link, batch);
         for (std::size_t i = 0; i < batch.size; ++i)
