@@ -37,11 +37,13 @@ struct TappedFilter {
     }
 };
 
+template <std::size_t Window>
 struct HostConfig : PipelineConfig {
     using Filter = TappedFilter;
-    static constexpr std::size_t window = delay_most;
+    static constexpr std::size_t window = Window;
+    static constexpr Credit slice = slice_large;
 };
-using HostPipeline = Pipeline<HostConfig>;
+using HostParams = Pipeline<HostConfig<delay_most>>::Params;
 
 /// A grid for the knots: half a period, and no coarser than the smallest step.
 std::uint32_t tick_for(const Recording& recording) {
@@ -53,9 +55,8 @@ std::uint32_t tick_for(const Recording& recording) {
     return static_cast<std::uint32_t>(std::clamp<std::int64_t>(tick_ns, 1000, 1000000000));
 }
 
-HostPipeline::Params parameters(const Recording& recording, const ReplayOptions& options,
-                                Replay& result) {
-    HostPipeline::Params params;
+HostParams parameters(const Recording& recording, const ReplayOptions& options, Replay& result) {
+    HostParams params;
     params.intake = intake_params(recording);
     params.filter.chain = parse_filters(options.filter, recording.period_s);
     params.filter.in = &result.raw;
@@ -148,16 +149,19 @@ void feed(Chain& chain, const std::vector<Record>& records, const std::vector<Ev
     }
 }
 
-void run_poses(const Recording& recording, const HostPipeline::Params& params, Replay& result) {
-    const auto chain = std::make_unique<HostPipeline>(params);
+template <std::size_t Window>
+void run_poses(const Recording& recording, const HostParams& params, Replay& result) {
+    using Chain = Pipeline<HostConfig<Window>>;
+    const auto chain = std::make_unique<Chain>(
+        typename Chain::Params{params.intake, params.filter, params.encoder});
     result.bytes_per_record = pose_bytes;
     feed(
         *chain, recording.poses, recording.events, [] {}, result);
 }
 
 template <AttitudeMode mode>
-void run_imu(const Recording& recording, const HostPipeline::Params& motion, Replay& result) {
-    using Chain = ImuPipeline<HostConfig, mode>;
+void run_imu(const Recording& recording, const HostParams& motion, Replay& result) {
+    using Chain = ImuPipeline<HostConfig<delay_most>, mode>;
     typename Chain::Params params;
     params.intake = motion.intake;
     params.motion = motion;
@@ -180,7 +184,11 @@ void run(const Recording& recording, const ReplayOptions& options, Replay& resul
     result.input.reserve(recording.size());
     const auto params = parameters(recording, options, result);
     result.filter_delay = params.filter.chain.delay();
-    if (recording.samples.empty()) return run_poses(recording, params, result);
+    if (recording.samples.empty()) {  // in the memory that a board would give to such a delay
+        if (options.delay_max <= 60) return run_poses<60>(recording, params, result);
+        if (options.delay_max <= 120) return run_poses<120>(recording, params, result);
+        return run_poses<delay_most>(recording, params, result);
+    }
     switch (options.mode.value_or(all_sensors(recording))) {
         case AttitudeMode::gyro: return run_imu<AttitudeMode::gyro>(recording, params, result);
         case AttitudeMode::imu: return run_imu<AttitudeMode::imu>(recording, params, result);

@@ -9,20 +9,18 @@
 
 #include "fairlead/math/approx.hpp"
 #include "fairlead/sense/intake.hpp"
+#include "fairlead/wire/encoder.hpp"
 #include "host_sim/attitude_trace.hpp"
 #include "host_sim/stream.hpp"
 
 namespace fairlead::sim {
-
-/// Work for few knots, in search steps per record and channel.
-inline constexpr std::uint32_t slice_small = 4, slice_medium = 12, slice_large = 40;
 
 struct ReplayOptions {
     std::string filter;                      // SPEC; empty: none
     double tol_pos_m{1e-3};                  // per axis
     double tol_rot_rad{pi_v<double> / 720};  // full rotation angle: 0.25 deg
     std::uint32_t delay_max{120};
-    std::uint32_t slice{slice_medium};       // search steps per record and channel
+    Credit slice{slice_medium};              // search per record and channel
     bool position{true}, orientation{true};  // channels that are reduced
     std::optional<AttitudeMode> mode;        // of an IMU; empty: all of its sensors
 };

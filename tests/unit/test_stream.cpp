@@ -165,7 +165,7 @@ TEST(Stream, KeepsEverySampleWithinToleranceAndInTime) {
         params.tol_position_m = {mm, 2 * mm, mm / 3};
         params.tol_orientation_rad = 0.002f * static_cast<float>(1 + random() % 20);
         params.delay_max = static_cast<std::uint32_t>(20 + random() % 100);
-        params.slice = static_cast<std::uint32_t>(random() % 6);
+        params.slice = static_cast<Credit>(1000 + random() % 100000);
         const auto poses = motion(seed, 1500);
         const Encoded out = run(poses, params);
 

@@ -79,7 +79,7 @@ struct VectorChannel {
 
         std::array<float, D> coordinates(const Value& v) const noexcept {
             std::array<float, D> x;
-            for (std::size_t d = 0; d < D; ++d) x[d] = v[d] * per_unit[d];
+            each<D>([&](auto d) { x[d] = v[d] * per_unit[d]; });
             return x;
         }
 
@@ -106,10 +106,10 @@ struct VectorChannel {
         /// Error of curve coordinates y at coordinates x, 1 at the tolerance: for planning.
         float error(const std::array<float, D>& y, const std::array<float, D>& x) const noexcept {
             float worst = 0;
-            for (std::size_t d = 0; d < D; ++d) {
+            each<D>([&](auto d) {
                 const float e = approx::abs(y[d] - x[d]) * per_limit[d];
                 worst = e > worst ? e : worst;
-            }
+            });
             return worst;
         }
     };

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/each.hpp"
 #include "fairlead/reduce/plan.hpp"
 #include "fairlead/reduce/window.hpp"
 
@@ -89,10 +90,12 @@ class Fit {
     }
 
     // what a portion costs, in instructions of a Cortex-M4F, about
-    static constexpr Credit visit_cost = 60 + 25 * D, test_cost = 30 + 16 * D,
-                            span_cost = 250 + 30 * D, row_cost = 60 + 30 * D;
+    static constexpr Credit visit_cost = 70 + 25 * D, test_cost = 35 + 33 * D,
+                            span_cost = 500 + 60 * D, interval_cost = 150 + 50 * D,
+                            row_cost = 150 + 50 * D;
 
   private:
+    static constexpr float unrepresentable = 10;  // stands for the error of such a polynomial
     enum class Phase : std::uint8_t { done, assemble, factor, substitute, check };
     static constexpr std::size_t Unknowns = MaxKnots + Order;
     static constexpr std::size_t Pairs = Order * (Order + 1) / 2;
@@ -209,20 +212,20 @@ class Fit {
         std::array<Vector, Order> r{};
     };
 
-    static void add(Sums& sums, const Basis& basis, float u, float weight,
-                    const Vector& x) noexcept {
+    [[gnu::always_inline]] static void add(Sums& sums, const Basis& basis, float u, float weight,
+                                           const Vector& x) noexcept {
         const float s = (u - basis.begin) * basis.per_length;
         std::array<float, Order> b;
-        for (std::size_t i = 0; i < Order; ++i) {
+        each<Order>([&](auto i) {
             b[i] = basis.c[i][Order - 1];
-            for (std::size_t m = Order - 1; m > 0; --m) b[i] = b[i] * s + basis.c[i][m - 1];
-        }
-        std::size_t pair = 0;
-        for (std::size_t i = 0; i < Order; ++i) {
+            each<Order - 1>([&](auto m) { b[i] = b[i] * s + basis.c[i][Order - 2 - m]; });
+        });
+        each<Order>([&](auto i) {
             const float wb = weight * b[i];
-            for (std::size_t k = i; k < Order; ++k) sums.a[pair++] += wb * b[k];
-            for (std::size_t d = 0; d < D; ++d) sums.r[i][d] += wb * x[d];
-        }
+            constexpr std::size_t row = i * (2 * Order + 1 - i) / 2;
+            each<Order - i>([&](auto k) { sums.a[row + k] += wb * b[i + k]; });
+            each<D>([&](auto d) { sums.r[i][d] += wb * x[d]; });
+        });
     }
 
     /// Puts the sums of an interval into the band; given control points go to the right side.
@@ -247,7 +250,7 @@ class Fit {
     Vector coordinates(const Problem& problem,
                        const typename Channel::Value& value) const noexcept {
         Vector x = problem.judge.coordinates(value);
-        for (std::size_t d = 0; d < D; ++d) x[d] -= anchor_[d];
+        each<D>([&](auto d) { x[d] -= anchor_[d]; });
         return x;
     }
 
@@ -358,36 +361,61 @@ class Fit {
         }
     }
 
+    /// Sums over the tested samples: e^2, w, w e, w e^2.
+    struct Tally {
+        float squares{0}, weights{0}, leaning{0}, weighted{0};
+    };
+
     // ---- its errors: the very polynomials that would be frozen, over the samples beyond the head
     void start_check(KnotPlan& plan) noexcept {
         plan.worst = 0;
         plan.worst_at = first_;
         plan.covers = count_;
-        objective_ = weights_ = weighted_ = leaning_ = 0;
+        tally_ = {};
         cursor_ = first_;
         phase_ = Phase::check;
     }
 
     void check(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept {
-        for (; cursor_ < count_ && credit > 0; ++cursor_) {
-            auto& sample = problem.samples[cursor_];
-            const float e = problem.judge.error(walk_.at(sample.u, plan),
-                                                problem.judge.coordinates(sample.value));
-            const float we = sample.weight * e;
-            sample.error = e;
-            objective_ += e * e;
-            weights_ += sample.weight;
-            leaning_ += we;
-            weighted_ += we * e;
-            if (!(e <= limit_) && plan.covers == count_) plan.covers = cursor_;
-            if (!(e <= plan.worst)) {
-                plan.worst = e;
-                plan.worst_at = cursor_;
+        Tally tally = tally_;
+        float worst = plan.worst;
+        std::size_t i = cursor_, worst_at = plan.worst_at;
+        Credit left = credit;
+        while (i < count_ && left > 0) {  // interval by interval
+            walk_.to(problem.samples[i].u, plan);
+            const Polynomial<D, Order> p = walk_.p;
+            const float origin = walk_.origin, end = walk_.end(plan);
+            if (!p.representable()) {
+                plan.covers = i < plan.covers ? i : plan.covers;
+                worst = worst > unrepresentable ? worst : unrepresentable;
             }
-            credit -= test_cost;
+            for (; i < count_ && left > 0; ++i) {
+                auto& sample = problem.samples[i];
+                if (sample.u > end) break;
+                const float e = problem.judge.error(p(sample.u - origin),
+                                                    problem.judge.coordinates(sample.value));
+                const float we = sample.weight * e;
+                sample.error = e;
+                tally.squares += e * e;
+                tally.weights += sample.weight;
+                tally.leaning += we;
+                tally.weighted += we * e;
+                if (!(e <= worst)) {
+                    worst = e;
+                    worst_at = i;
+                    if (!(e <= limit_) && plan.covers == count_) plan.covers = i;
+                }
+                left -= test_cost;
+            }
+            left -= interval_cost;
         }
+        credit = left;
+        plan.worst = worst;
+        plan.worst_at = worst_at;
+        tally_ = tally;
+        cursor_ = i;
         if (cursor_ < count_) return;
-        if (pass_ == 0) plan.objective = objective_ + misfit(problem, plan);
+        if (pass_ == 0) plan.objective = tally_.squares + misfit(problem, plan);
         credit -= test_cost * static_cast<Credit>(problem.ahead.size);
         decide(plan);
     }
@@ -400,7 +428,7 @@ class Fit {
         // the weighted mean square is a lower bound of the squared minimax error
         const bool hopeless =
             plan.worst > 4 ||
-            (pass_ >= 2 && weighted_ > n * Channel::Judge::square_bound * limit_ * limit_) ||
+            (pass_ >= 2 && tally_.weighted > n * Channel::Judge::square_bound * limit_ * limit_) ||
             (pass_ >= 3 && best_ > 1 + 2.0f / static_cast<float>(pass_));
         if (succeeded_ || pass_ >= passes_ || hopeless) {
             if (!succeeded_) plan.worst = best_;
@@ -410,7 +438,7 @@ class Fit {
         ++pass_;
         future_ *= 0.3f;
         lean_ = 1 / plan.worst;
-        scale_ = n / (0.02f * weights_ + leaning_ * lean_);
+        scale_ = n / (0.02f * tally_.weights + tally_.leaning * lean_);
         start_pass();
     }
 
@@ -434,7 +462,7 @@ class Fit {
     Vector anchor_{}, before_{};
     Walk base_{}, walk_{};
     float limit_{0}, ridge_{0}, future_{1}, lean_{0}, scale_{0}, best_{0};
-    float objective_{0}, weights_{0}, weighted_{0}, leaning_{0};
+    Tally tally_{};
     std::size_t count_{0}, first_{0}, cursor_{0}, head_{0}, interior_{0}, rows_{0}, fixed_{0},
         span_{0}, passes_{0}, pass_{0};
     Phase phase_{Phase::done};

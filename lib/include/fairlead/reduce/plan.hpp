@@ -87,9 +87,16 @@ struct PlanWalk {
         for (std::size_t d = 0; d < D; ++d) p.c[Order - 1][d] += plan.jump[next][d];
         ++next;
     }
-    /// Value at u, which must not fall. The knots between are passed: at most MaxKnots in all.
-    std::array<float, D> at(float u, const Plan<Channel, MaxKnots>& plan) noexcept {
+    /// On to the polynomial at u, which must not fall: at most MaxKnots knots in all are passed.
+    void to(float u, const Plan<Channel, MaxKnots>& plan) noexcept {
         while (next < plan.size && static_cast<float>(plan.knot[next]) < u) pass_knot(plan);
+    }
+    /// Where the present polynomial ends.
+    float end(const Plan<Channel, MaxKnots>& plan) const noexcept {
+        return next < plan.size ? static_cast<float>(plan.knot[next]) : 1e30f;
+    }
+    std::array<float, D> at(float u, const Plan<Channel, MaxKnots>& plan) noexcept {
+        to(u, plan);
         return p(u - origin);
     }
 };

@@ -253,13 +253,15 @@ class Reducer {
     bool finalise(bool forced, std::uint32_t goal) noexcept {
         if (samples_.empty()) return false;
         const bool wanted = since(samples_.oldest().record) >= goal;
-        if (!forced && !wanted) return false;
+        // a plan that is unsettled or behind keeps half of the room that it has
+        const bool steady = search_.steady(own_);
+        if (!forced && !(wanted && steady)) return false;
         if (!active_) {
             if (pending() || (!forced && search_.plan().covers == 0)) return false;
             begin_curve(false);
             return true;
         }
-        if (cover(goal)) return true;
+        if (cover(steady ? goal : half_way(goal))) return true;
         if (search_.plan().size > 0 && !before_knot(0)) {
             if (out_.size == batch_knots) return false;
             freeze();
@@ -268,6 +270,12 @@ class Reducer {
         if (!forced || pending()) return false;
         break_curve();
         return true;
+    }
+
+    std::uint32_t half_way(std::uint32_t goal) const noexcept {
+        const std::size_t covers = search_.plan().covers;
+        const std::uint32_t age = since(samples_[(covers < own_ ? covers : own_) / 2].record);
+        return age > goal ? age : goal;
     }
 
     /// The start of a curve becomes final, rounded for the interval it was planned for.

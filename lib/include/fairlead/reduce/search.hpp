@@ -44,6 +44,10 @@ class Search {
     };
 
     const KnotPlan& plan() const noexcept { return plan_; }
+    /// Has the plan been tested since a knot was rounded, and does it serve nearly all samples?
+    bool steady(std::size_t count) const noexcept {
+        return !doubted_ && stage_ != Stage::verify && plan_.covers + reach >= count;
+    }
 
     void reset() noexcept {
         plan_ = {};
@@ -152,16 +156,16 @@ class Search {
         polish
     };
     enum class Goal : std::uint8_t { insertion, removal };
-    static constexpr std::size_t hard_passes = 8, move_passes = 4, soft_passes = 3;
+    static constexpr std::size_t hard_passes = 5, move_passes = 4, soft_passes = 3;
     static constexpr std::size_t grid = 12;          // places that an insertion tries
     static constexpr std::size_t finalists = 3;      // of which it tries with effort
     static constexpr std::size_t move_budget = 16;   // moves tried before a knot is given up
     static constexpr std::size_t bends = 5;          // places that a bend of the end tries
-    static constexpr std::size_t tail = 4;           // free knots before a change
     static constexpr float hopeless = 3;             // errors beyond: moving knots will not do
     static constexpr std::uint32_t drop_period = 4;  // samples between two rounds of removal
     static constexpr std::size_t catch_up_max = 16;  // samples tested at once
     static constexpr std::size_t reach = 8;          // samples that a plan behind looks further
+    static constexpr std::size_t fit_lasts = 8;      // records that a fit may take
     static constexpr std::size_t start_max = 32;     // samples of a curve that must start at once
 
     // ---- the frame of every stage: propose a trial and have it fitted, then judge it
@@ -346,6 +350,13 @@ class Search {
     static std::int32_t first_place(const View& v) noexcept {
         return v.free || v.low < 1 ? 1 : v.low;
     }
+    /// The same a few records later: coverage goes on while a fit is under way.
+    std::int32_t first_lasting_place(const View& v) const noexcept {
+        const std::size_t i = plan_.covers < 2 * fit_lasts ? 0 : fit_lasts;
+        const auto later = static_cast<std::int32_t>(v.samples[i < v.count ? i : v.count - 1].u);
+        const std::int32_t first = first_place(v);
+        return later > first ? later : first;
+    }
     /// Knots before sample i.
     static std::size_t knots_before(const View& v, const KnotPlan& p, std::size_t i) noexcept {
         return i < v.count ? p.knots_before(v.samples[i].u) : p.size;
@@ -374,13 +385,16 @@ class Search {
         cell_ = 0;
     }
 
+    /// Free knots before a change: fewer where the plan must catch up.
+    std::size_t tail() const noexcept { return partial_ ? 3 : 4; }
+
     // ---- more knots than needed, evenly, beyond what is served; removal thins them out later
     bool propose_dense(const View& v) noexcept {
         trial_ = plan_;
         const std::size_t kept = knots_before(v, plan_, plan_.covers);
         trial_.size = kept > 1 ? kept - 1 : 0;
         const std::size_t head = trial_.size;
-        const std::int32_t first = first_place(v);
+        const std::int32_t first = first_lasting_place(v);
         const std::int32_t from =
             head > 0 && trial_.knot[head - 1] >= first ? trial_.knot[head - 1] : first - 1;
         const auto until = static_cast<std::int32_t>(v.samples[v.count - 1].u);
@@ -402,7 +416,7 @@ class Search {
     void start_repair(const View& v) noexcept {
         level_ = 0;
         trial_ = plan_;
-        head_ = head_before(knots_before(v, plan_, plan_.covers), tail);
+        head_ = head_before(knots_before(v, plan_, plan_.covers), tail());
         stage_ = Stage::repair;
         fit(v, head_, hard_passes);
     }
@@ -417,7 +431,7 @@ class Search {
     void move_all(const View& v) noexcept {
         if (partial_) return give_up(v);
         if (best_.worst > hopeless) return start_insertion(v, best_);
-        head_ = head_before(knots_before(v, best_, best_.worst_at), tail);
+        head_ = head_before(knots_before(v, best_, best_.worst_at), tail());
         start_moves(best_, head_, best_.size, 2 * move_budget, Goal::insertion);
     }
 
@@ -550,8 +564,9 @@ class Search {
         tried_ = 0;
         found_ = false;
         low_worst_ = 1e30f;
+        places_ = partial_ ? grid / 2 : grid;
         const std::size_t at = knots_before(v, current_, current_.worst_at);
-        head_ = head_before(at, tail);
+        head_ = head_before(at, tail());
         cell_low_ = at >= 2 ? static_cast<float>(current_.knot[at - 2])
                             : static_cast<float>(v.free ? 0 : v.low);
         cell_high_ = at + 1 < current_.size ? static_cast<float>(current_.knot[at + 1])
@@ -559,14 +574,14 @@ class Search {
     }
 
     bool propose_insertion(const View& v) noexcept {
-        if (cell_ < grid) {  // every place by a quick fit
+        if (cell_ < places_) {  // every place by a quick fit
             score_[cell_] = 1e30f;
             return insert_at(v, cell_++, 0);
         }
-        while (tried_ < finalists) {  // the best of them with effort
+        while (tried_ < (partial_ ? 1 : finalists)) {  // the best of them with effort
             ++tried_;
             std::size_t best = 0;
-            for (std::size_t i = 1; i < grid; ++i)
+            for (std::size_t i = 1; i < places_; ++i)
                 if (score_[i] < score_[best]) best = i;
             if (score_[best] > 1e29f) break;
             score_[best] = 1e30f;
@@ -585,8 +600,9 @@ class Search {
 
     bool insert_at(const View& v, std::size_t cell, std::size_t passes) noexcept {
         trial_ = current_;
-        trial_.insert(to_integer(cell_low_ + (cell_high_ - cell_low_) *
-                                                 (static_cast<float>(cell) + 0.5f) / grid));
+        trial_.insert(
+            to_integer(cell_low_ + (cell_high_ - cell_low_) * (static_cast<float>(cell) + 0.5f) /
+                                       static_cast<float>(places_)));
         return valid(v, trial_) ? fit(v, head_, passes) : true;
     }
 
@@ -641,7 +657,7 @@ class Search {
         }
         trial_ = plan_;
         trial_.erase(cell_);
-        return fit(v, loose(head_before(cell_, tail - 1)), 0);
+        return fit(v, loose(head_before(cell_, tail() - 1)), 0);
     }
 
     void dropped(bool ok) noexcept {
@@ -662,7 +678,7 @@ class Search {
         trial_.erase(best);
         score_[best] = 1e30f;
         knot_ = best;
-        head_ = loose(head_before(best, tail - 1));
+        head_ = loose(head_before(best, tail() - 1));
         return fit(v, head_, hard_passes);
     }
 
@@ -718,7 +734,7 @@ class Search {
     Goal goal_{Goal::insertion};
     std::size_t head_{0}, first_{0}, last_{0}, rounds_{0}, budget_{0}, scale_{0}, knot_{0},
         cell_{0};
-    std::size_t tried_{0}, level_{0}, polished_{0}, hints_{0};
+    std::size_t places_{0}, tried_{0}, level_{0}, polished_{0}, hints_{0};
     std::size_t stuck_at_{0}, horizon_{0}, reach_{reach};
     std::uint32_t age_{0};
     float low_worst_{0}, cell_low_{0}, cell_high_{0}, merit_{0};

@@ -6,17 +6,18 @@
 // Its coefficients are kept in fixed point (unit: a power of two near the tolerance, time in
 // ticks), so that the state of a curve is a handful of exact integers that a restart point can
 // carry and a late joiner continues bit for bit. Carrying the state over a knot rounds to half a
-// last place: 2^-13 of a unit.
+// last place: 2^-9 of a unit.
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/each.hpp"
 #include "fairlead/math/approx.hpp"
 
 namespace fairlead {
 
 /// Binary places of the Taylor coefficient of power m: each power of a tick gets six more.
-constexpr int fraction_bits(std::size_t m) noexcept { return 12 + 6 * static_cast<int>(m); }
+constexpr int fraction_bits(std::size_t m) noexcept { return 8 + 6 * static_cast<int>(m); }
 
 /// 2^e as a float, |e| <= 126.
 constexpr float power_of_two(int e) noexcept {
@@ -69,13 +70,20 @@ struct Polynomial {
 
     /// Value at u ticks after the knot.
     std::array<float, D> operator()(float u) const noexcept {
-        std::array<float, D> y;
-        for (std::size_t d = 0; d < D; ++d) {
-            float sum = c[Order - 1][d];
-            for (std::size_t m = Order - 1; m > 0; --m) sum = sum * u + c[m - 1][d];
-            y[d] = sum;
-        }
+        std::array<float, D> y = c[Order - 1];
+        each<Order - 1>(
+            [&](auto m) { each<D>([&](auto d) { y[d] = y[d] * u + c[Order - 2 - m][d]; }); });
         return y;
+    }
+
+    /// Would a span's integers hold it?
+    bool representable() const noexcept {
+        bool held = true;
+        each<Order>([&](auto m) {
+            constexpr float most = power_of_two(30 - fraction_bits(m));
+            each<D>([&](auto d) { held = held && approx::abs(c[m][d]) < most; });
+        });
+        return held;
     }
 
     /// k-th derivative at u, per tick^k.

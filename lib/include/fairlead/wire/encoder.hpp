@@ -30,7 +30,9 @@ struct EncoderParams {
     std::uint32_t tick_ns{4000000};  // grid of the knots, at most the smallest sample spacing
     std::uint32_t delay_max{60};     // records
     std::int64_t restart_interval_ns{2000000000};
-    std::uint32_t goal{0};  // records that a frame leaves open where it can; 0: half of delay_max
+    std::uint32_t goal{
+        0};           // records that a frame leaves open where it can; 0: a third of delay_max
+    Credit slice{0};  // less work on the search than the encoder's Slice; 0: all of it
     std::uint32_t event_delay_max{0};  // records that an event may wait for company
     bool position{true};
     bool orientation{true};
@@ -48,6 +50,7 @@ class Encoder {
 
     explicit Encoder(const EncoderParams& params) noexcept
         : params_{params},
+          slice_{params.slice > 0 && params.slice < Slice ? params.slice : Slice},
           position_{{params.tol_position_m, params.tick_ns, params.delay_max, goal(params)}},
           orientation_{
               {params.tol_orientation_rad, params.tick_ns, params.delay_max, goal(params)}} {
@@ -66,8 +69,8 @@ class Encoder {
         feed(orientation_, params_.orientation && (pose.flags & flag::orientation_valid), pose,
              pose.q_wb, flag::gap_before | flag::orientation_gap, orientation_gap_);
         const bool closing = position_.closing() || orientation_.closing();
-        position_.work(Slice, closing);
-        orientation_.work(Slice, closing);
+        position_.work(slice_, closing);
+        orientation_.work(slice_, closing);
         for (std::size_t i = 0; i < max_frames; ++i) {  // more than one only where a curve starts
             if (!position_.due() && !orientation_.due() && !restart_due()) break;
             frame();
@@ -91,8 +94,8 @@ class Encoder {
     Bytes flush() noexcept {
         size_ = 0;
         if (!position_.empty() || !orientation_.empty()) {
-            position_.work(Slice, true);
-            orientation_.work(Slice, true);
+            position_.work(slice_, true);
+            orientation_.work(slice_, true);
             position_.close();
             orientation_.close();
             frame();
@@ -111,7 +114,7 @@ class Encoder {
 
   private:
     static std::uint32_t goal(const EncoderParams& p) noexcept {
-        return p.goal ? p.goal : p.delay_max / 2;
+        return p.goal ? p.goal : p.delay_max / 3;
     }
 
     template <class Reduction>
@@ -190,6 +193,7 @@ class Encoder {
     }
 
     EncoderParams params_;
+    Credit slice_;
     PositionReducer position_;
     OrientationReducer orientation_;
     wire::Link<VectorChannel<3>> position_link_{};
