@@ -46,16 +46,16 @@ struct ReduceStage {
             reducer.push(pose.t_ns, value, gap);
         else
             reducer.skip();
-        reducer.work(Slice, reducer.closing());
+        reducer.allot(Slice, reducer.closing());
         std::optional<Output> out;
         constexpr int takes_max = 2;  // as many as the encoder makes frames
         for (int i = 0; i < takes_max && reducer.due(); ++i) out = taken();
+        reducer.work();
         return out;
     }
     std::optional<Output> flush() {
         if (reducer.empty()) return std::nullopt;
-        reducer.work(Slice, true);
-        reducer.close();
+        reducer.close(Slice);
         return taken();
     }
 

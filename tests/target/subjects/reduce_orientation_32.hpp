@@ -3,5 +3,5 @@
 
 struct Subject : fairlead::target::OrientationReduceStage<32> {
     static constexpr const char* text =
-        "Reducer<OrientationChannel, 32>, 0.5 deg, 4 search steps a push";
+        "Reducer<OrientationChannel, 32>, 0.5 deg";
 };

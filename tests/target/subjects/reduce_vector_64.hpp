@@ -3,5 +3,5 @@
 
 struct Subject : fairlead::target::VectorReduceStage<64> {
     static constexpr const char* text =
-        "Reducer<VectorChannel<3>, 64>, 2 mm, 4 search steps a push";
+        "Reducer<VectorChannel<3>, 64>, 2 mm";
 };

@@ -92,7 +92,8 @@ class Fit {
     // what a portion costs, in instructions of a Cortex-M4F, about
     static constexpr Credit visit_cost = 70 + 25 * D, test_cost = 35 + 33 * D,
                             span_cost = 500 + 60 * D, interval_cost = 150 + 50 * D,
-                            row_cost = 150 + 50 * D;
+                            row_cost = 150 + 50 * D, pass_cost = 60 + 40 * D,
+                            start_cost = 800 + 100 * D;
 
   private:
     static constexpr float unrepresentable = 10;  // stands for the error of such a polynomial

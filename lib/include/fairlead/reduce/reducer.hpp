@@ -66,7 +66,7 @@ class Reducer {
     static constexpr std::size_t batch_knots = 4;        // that a frame carries
     static constexpr std::uint32_t lead = 12;  // records before its due time that a frame is begun
     static constexpr std::size_t cover_max = 16;     // samples tested in one step
-    static constexpr std::size_t rounding_max = 32;  // samples that choose a knot's rounding
+    static constexpr std::size_t rounding_max = 12;  // samples that choose a knot's rounding
     static constexpr std::int32_t rest_places = 64;  // last places that a stop may cut off
     static constexpr int unsettled_places =
         10;  // finer, where the later knots have not been fitted to it
@@ -122,10 +122,14 @@ class Reducer {
     /// A record without a sample of this channel: delay counts records.
     void skip() noexcept { ++records_; }
 
-    /// One slice of work. `closing`: a frame will leave soon, make final what it shall carry.
-    void work(Credit slice, bool closing) noexcept {
+    /// Allots this push's work, and does one step of finality from it where a frame will leave soon
+    /// (`closing`) or a curve has ended. What an earlier push took too much is paid back.
+    void allot(Credit slice, bool closing) noexcept {
         credit_ = credit_ + slice < slice ? credit_ + slice : slice;
         if (closing || ended()) finalise(false);
+    }
+    /// Spends what is left of it on the search, after take().
+    void work() noexcept {
         while (credit_ > 0 && search_.step(view(), credit_)) {
         }
     }
@@ -152,9 +156,11 @@ class Reducer {
         return taken;
     }
 
-    /// No more samples will come: makes final what is well planned, at least one sample; then
-    /// take().
-    void close() noexcept {
+    /// No more samples will come: one slice of work, then makes final what is well planned, at
+    /// least one sample; then take().
+    void close(Credit slice) noexcept {
+        allot(slice, false);
+        work();
         const bool planned = search_.plan().covers >= own_;
         const std::size_t steps = planned ? batch_knots + N / cover_max : 1;
         for (std::size_t i = 0; i < steps && !samples_.empty(); ++i)

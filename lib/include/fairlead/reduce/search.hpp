@@ -101,7 +101,7 @@ class Search {
         if (part.count > start_max) part.count = start_max;
         for (; part.count > 0; part.count /= 2) {
             trial_ = {};
-            fitter_.start(part, 0, 1, limit, trial_);
+            fitter_.start(part, 0, 0, limit, trial_);
             Credit ample = 1 << 30;
             fitter_.run(part, trial_, ample);
             credit -= (1 << 30) - ample;
@@ -115,7 +115,10 @@ class Search {
     bool step(const View& whole, Credit& credit) noexcept {
         if (whole.count == 0) return false;
         credit -= step_cost;
-        if (stage_ == Stage::idle) set_horizon(whole);
+        if (stage_ == Stage::idle) {
+            set_horizon(whole);
+            credit -= horizon_cost + Fitter::pass_cost * static_cast<Credit>(plan_.size);
+        }
         View v = whole;
         v.count = horizon_ < whole.count ? horizon_ : whole.count;
         partial_ = v.count < whole.count;
@@ -123,6 +126,7 @@ class Search {
             fitting_ = false;
             if (!propose(v, credit)) return false;
             if (!fitting_) return true;
+            credit -= Fitter::start_cost + Fitter::pass_cost * static_cast<Credit>(trial_.size);
         }
         if (partial_) {
             const typename Fitter::Problem known{v.samples, v.count, none_,
@@ -137,7 +141,8 @@ class Search {
 
     static constexpr float limit = 0.998f;  // planning keeps this much below the tolerance
     static constexpr Credit step_cost = 300 + 20 * static_cast<Credit>(MaxKnots);
-    static constexpr Credit landing_cost = 2500, rest_cost = 15 + 12 * D;
+    static constexpr Credit horizon_cost = 500 + 4 * Fitter::test_cost;
+    static constexpr Credit landing_cost = 1500 + 1300 * D, rest_cost = 15 + 12 * D;
 
   private:
     enum class Stage : std::uint8_t {
@@ -166,7 +171,7 @@ class Search {
     static constexpr std::size_t catch_up_max = 16;  // samples tested at once
     static constexpr std::size_t reach = 8;          // samples that a plan behind looks further
     static constexpr std::size_t fit_lasts = 8;      // records that a fit may take
-    static constexpr std::size_t start_max = 32;     // samples of a curve that must start at once
+    static constexpr std::size_t start_max = 16;     // samples of a curve that must start at once
 
     // ---- the frame of every stage: propose a trial and have it fitted, then judge it
     bool propose(const View& v, Credit& credit) noexcept {

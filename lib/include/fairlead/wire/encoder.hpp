@@ -22,7 +22,7 @@ struct Bytes {
 };
 
 /// Work per push and channel on the search, in instructions of a Cortex-M4F, about.
-inline constexpr Credit slice_small = 20000, slice_medium = 90000, slice_large = 360000;
+inline constexpr Credit slice_small = 15000, slice_medium = 75000, slice_large = 350000;
 
 struct EncoderParams {
     std::array<float, 3> tol_position_m{0.001f, 0.001f, 0.001f};
@@ -69,12 +69,14 @@ class Encoder {
         feed(orientation_, params_.orientation && (pose.flags & flag::orientation_valid), pose,
              pose.q_wb, flag::gap_before | flag::orientation_gap, orientation_gap_);
         const bool closing = position_.closing() || orientation_.closing();
-        position_.work(slice_, closing);
-        orientation_.work(slice_, closing);
+        position_.allot(slice_, closing);
+        orientation_.allot(slice_, closing);
         for (std::size_t i = 0; i < max_frames; ++i) {  // more than one only where a curve starts
             if (!position_.due() && !orientation_.due() && !restart_due()) break;
             frame();
         }
+        position_.work();
+        orientation_.work();
         let_out_events(size_ > 0 ? 0 : params_.event_delay_max);
         return {out_.data(), size_};
     }
@@ -94,10 +96,8 @@ class Encoder {
     Bytes flush() noexcept {
         size_ = 0;
         if (!position_.empty() || !orientation_.empty()) {
-            position_.work(slice_, true);
-            orientation_.work(slice_, true);
-            position_.close();
-            orientation_.close();
+            position_.close(slice_);
+            orientation_.close(slice_);
             frame();
         }
         let_out_events(0);
