@@ -55,6 +55,7 @@ class Search {
         stage_ = Stage::idle;
         stuck_at_ = 0;
         refitted_ = false;
+        flat_start_ = true;
         reach_ = reach;
         hints_ = 0;
     }
@@ -248,6 +249,14 @@ class Search {
             fitter_.start_test(v, limit, trial_);
             return true;
         }
+        if (v.free && flat_start_ && plan_.landing == 0 && rests(v, v.count, credit)) {
+            plan_ = {};  // a curve that starts at rest is a constant
+            plan_.start[0] = mid_;
+            plan_.landing = 1;
+            plan_.covers = v.count;
+            doubted_ = true;
+            return true;
+        }
         if (plan_.covers < v.count) {
             if (stuck_at_ == v.count) return false;
             if (!start_landing(v, credit)) start_repair(v);
@@ -302,6 +311,7 @@ class Search {
     void verified() noexcept {
         const bool was_behind = plan_.covers < trial_.covers;
         if (!was_behind) plan_.covers = trial_.covers;
+        if (plan_.landing > 0 && plan_.size == 0 && trial_.covers < horizon_) flat_start_ = false;
         idle();
     }
 
@@ -442,15 +452,23 @@ class Search {
 
     // ---- landing: while the newest samples are at rest, end the plan on a constant
     bool start_landing(const View& v, Credit& credit) noexcept {
-        if (partial_ || plan_.landing > 0) return false;
-        const std::size_t quiet = v.delay / 2 > 60 ? v.delay / 2 : 60;
-        if (v.count < quiet) return false;
-        credit -= static_cast<Credit>(quiet) * rest_cost;
-        if (!Land::at_rest(v.samples, v.count, quiet, v.judge, mid_)) return false;
+        if (partial_ || plan_.landing > 0 || !rests(v, quiet(v.delay), credit)) return false;
         stage_ = Stage::land;
         cell_ = 0;
         found_ = false;
         return true;
+    }
+
+    /// So many samples without motion are a rest.
+    static std::size_t quiet(std::uint32_t delay) noexcept {
+        const std::size_t most = delay * 3 / 4 < 60 ? delay * 3 / 4 : 60;
+        return delay / 2 > most ? delay / 2 : most;
+    }
+    /// Are the newest n samples, and enough of them, at rest?
+    bool rests(const View& v, std::size_t n, Credit& credit) noexcept {
+        if (partial_ || v.count < quiet(v.delay)) return false;
+        credit -= static_cast<Credit>(n) * rest_cost;
+        return Land::at_rest(v.samples, v.count, n, v.judge, mid_);
     }
 
     bool propose_landing(const View& v, Credit& credit) noexcept {
@@ -744,7 +762,7 @@ class Search {
     std::uint32_t age_{0};
     float low_worst_{0}, cell_low_{0}, cell_high_{0}, merit_{0};
     bool forward_{false}, improved_{false}, found_{false}, refitted_{false};
-    bool fitting_{false}, partial_{false}, doubted_{false};
+    bool fitting_{false}, partial_{false}, doubted_{false}, flat_start_{true};
 };
 
 }  // namespace fairlead
