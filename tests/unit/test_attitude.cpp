@@ -277,6 +277,24 @@ TEST(Attitude, RestAdaptsToANoisySensor) {
     EXPECT_FALSE(filter.resting());
 }
 
+TEST(Attitude, ASteadyTurnIsNoRest) {
+    Attitude filter;
+    AttitudeGyro gyro;
+    Sample s;
+    s.flags = flag::gyro_valid | flag::accel_valid;
+    s.accel_m_s2 = {0, 0, 9.81f};
+    s.gyro_rad_s = {0, 0, 0.1f};  // a turntable, as steady as a bias but too fast for one
+    for (int i = 0; i < 10000; ++i) {
+        s.t_ns += period_ns;
+        const auto pose = gyro.push(s);
+        filter.push(s);
+        ASSERT_FALSE(filter.resting());
+        ASSERT_EQ(pose->flags & flag::rest, 0u);
+    }
+    EXPECT_NEAR(filter.bias_rad_s().z, 0, 1e-3f);
+    EXPECT_EQ(gyro.bias_rad_s().z, 0);
+}
+
 TEST(Attitude, FloatFollowsDouble) {
     Motion a{World{}}, b{World{}};
     Attitude single;
