@@ -87,11 +87,13 @@ std::string consistency(const std::vector<Recording>& recordings) {
     return out;
 }
 
-std::string all_trials(const std::vector<Recording>& recordings) {
+/// broken: set where a trial is worse than its bound.
+std::string all_trials(const std::vector<Recording>& recordings, bool& broken) {
     std::string out =
         "| delivered | total | heading | inclination | bound |\n|---|---|---|---|---|\n";
     for (const Trial& trial : trials()) {
         const Means m = run_trial(recordings, trial);
+        broken = broken || (trial.bound_deg > 0 && !(m.total <= trial.bound_deg));
         out +=
             text("| %s | %.3f | %.3f | %.3f | %s |\n", trial.name.c_str(), m.total, m.heading,
                  m.inclination, trial.bound_deg > 0 ? text("%.2f", trial.bound_deg).c_str() : "");
@@ -213,16 +215,17 @@ void replace(std::string& page, const std::string& name, const std::string& cont
     page.replace(a + from.size(), b - a - from.size(), content);
 }
 
-void table(const std::string& folder, const std::string& into) {
+int table(const std::string& folder, const std::string& into) {
     const auto recordings = read_all(folder);
     if (recordings.empty()) {
         std::printf("skipped attitude-table: no recordings in %s\n", folder.c_str());
-        return;
+        return 0;
     }
+    bool broken = false;
     const std::array<std::pair<const char*, std::string>, 6> parts{
         {{"recordings", each_recording(recordings)},
          {"consistency", consistency(recordings)},
-         {"trials", all_trials(recordings)},
+         {"trials", all_trials(recordings, broken)},
          {"breaks", all_breaks(recordings)},
          {"leave-one-out", leave_one_out(recordings)},
          {"baselines", baselines(recordings)}}};
@@ -232,6 +235,8 @@ void table(const std::string& folder, const std::string& into) {
         if (!into.empty()) replace(page, name, content);
     }
     if (!into.empty()) write_bytes(into, page);
+    if (broken) std::printf("FAIL attitude-table: a bound is exceeded\n");
+    return broken ? 1 : 0;
 }
 
 /// The least eigenvalue's sign by Cholesky in double, of the matrix scaled to unit diagonal.
@@ -308,10 +313,9 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     try {
         if (*day) return fairlead::sim::day(folder, hours);
-        fairlead::sim::table(folder, into);
+        return fairlead::sim::table(folder, into);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "bench-attitude: %s\n", error.what());
         return 1;
     }
-    return 0;
 }
