@@ -2,6 +2,5 @@
 #include "tests/target/reduce_stage.hpp"
 
 struct Subject : fairlead::target::VectorReduceStage<32> {
-    static constexpr const char* text =
-        "Reducer<VectorChannel<3>, 32>, 2 mm";
+    static constexpr const char* text = "Reducer<VectorChannel<3>, 32>, 2 mm";
 };
