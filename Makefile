@@ -276,8 +276,8 @@ test-strain: setup-build setup-reference ## hold fixed-lag strain smoothing to t
 TARGET = $(MAKE) -s -f tests/target/target.mk
 CORE  ?= m4f
 .PHONY: target-test target-soak bounds size firmware-run must-fail
-target-test: setup-target ## the same bits on every core, exact counts, BOUNDS.md, heap, stack and firmware checks
-	+@$(TARGET) calibrate same-bits bounds trap firmware firmware-run recordings
+target-test: setup-target ## the same bits on every core, exact counts, BOUNDS.md, heap and stack checks, a firmware run
+	+@$(TARGET) calibrate same-bits bounds trap firmware-run recordings
 target-soak: setup-target ## all recordings on all cores, and a longer search for dear streams
 	+@$(TARGET) same-bits search recordings SOAK=1
 bounds: setup-target ## check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=header CORE=m4f RECORDING=file BUDGET=n
