@@ -105,7 +105,7 @@ class AnyMask {
             return Status::bad_argument;
         std::array<double, Capacity> a{};
         detail::fill_savitzky_golay(a.data(), size, static_cast<double>(size - 1) - late, degree);
-        return from_taps(a.data(), size, size - 1 - static_cast<std::size_t>(late + 0.5));
+        return from_taps(a.data(), size, size - 1 - detail::nearest(late));
     }
 
     /// Causal, without lag at constant rate, noise brought down to noise_gain (0 < gain <= 1).
@@ -198,7 +198,7 @@ constexpr Mask<Taps, Taps - 1> zero_lag_mask(double noise_gain) noexcept {
 template <std::size_t Taps, std::size_t Latency>
 constexpr Mask<Taps, Taps - 1 - Latency> late_mask(double degree, double late) noexcept {
     FAIRLEAD_ASSERT(detail::can_be_late(Taps, degree, late));
-    FAIRLEAD_ASSERT(static_cast<std::size_t>(late + 0.5) == Latency);
+    FAIRLEAD_ASSERT(detail::nearest(late) == Latency);
     std::array<double, Taps> a{};
     detail::fill_savitzky_golay(a.data(), Taps, static_cast<double>(Taps - 1) - late, degree);
     return Mask<Taps, Taps - 1 - Latency>{a};

@@ -10,6 +10,11 @@
 
 namespace fairlead::detail {
 
+/// The integer nearest to x >= 0, halves up.
+constexpr std::size_t nearest(double x) noexcept {
+    return (static_cast<std::size_t>(2 * x) + 1) / 2;
+}
+
 /// Taps -> Real taps and partial sums. The centre tap takes up what rounding left of the sum.
 template <class Real, std::size_t Capacity>
 struct MaskTable {
