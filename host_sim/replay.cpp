@@ -52,7 +52,10 @@ std::uint32_t tick_for(const Recording& recording) {
         const std::int64_t step_ns = recording.t_ns(i) - recording.t_ns(i - 1);
         if (step_ns > 0) tick_ns = std::min(tick_ns, step_ns);
     }
-    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(tick_ns, 1000, 1000000000));
+    tick_ns = std::clamp<std::int64_t>(tick_ns, 1000, 1000000000);
+    std::int64_t step_ns = 1;  // two digits: a restart point tells them in few bits
+    while (tick_ns / step_ns > 99) step_ns *= 10;
+    return static_cast<std::uint32_t>(tick_ns / step_ns * step_ns);
 }
 
 HostParams parameters(const Recording& recording, const ReplayOptions& options, Replay& result) {

@@ -226,6 +226,11 @@ struct Curve {
     void advance(std::uint32_t ticks, const Jump& jump, std::uint32_t shift,
                  std::uint32_t tick_ns) noexcept {
         span = carried(span, ticks, tick_ns);
+        turn(jump, shift);
+    }
+
+    /// The jump alone, where the curve stands at its knot.
+    void turn(const Jump& jump, std::uint32_t shift) noexcept {
         std::array<float, D> sent;
         for (std::size_t d = 0; d < D; ++d)
             sent[d] = static_cast<float>(jump[d]) * power_of_two(static_cast<int>(shift));
@@ -237,6 +242,9 @@ struct Curve {
     /// On to a knot at which everything but the value ends.
     void stop(std::uint32_t ticks, std::uint32_t tick_ns) noexcept {
         span = carried(span, ticks, tick_ns);
+        halt();
+    }
+    void halt() noexcept {
         for (std::size_t m = 1; m < Order; ++m) span.c[m] = {};
     }
 };

@@ -24,7 +24,7 @@ class Decoder {
         std::uint32_t restarts{0};  // of them, restart frames
         std::uint32_t damaged{0};   // losses of step: a bad checksum, a missing frame, nonsense
         std::uint32_t skipped_bytes{0};                       // passed over while out of step
-        std::uint32_t lost_frames{0};                         // by sequence numbers, modulo 2^16
+        std::uint32_t lost_frames{0};                         // by sequence numbers, modulo 2^8
         std::uint64_t position_bits{0}, orientation_bits{0};  // of good frames, for each curve
     };
 
@@ -139,7 +139,7 @@ class Decoder {
             wire::state(io, position, h.base_ns, h.tick_ns);
             wire::state(io, orientation, h.base_ns, h.tick_ns);
             if (!io.ok()) return false;
-            if (known_) counters_.lost_frames += (h.sequence - sequence_) & 0xffffu;
+            if (known_) counters_.lost_frames += (h.sequence - sequence_) & wire::sequence_mask;
             rejoined_ = !in_step_;
             known_ = true;
             header_ = h;
@@ -158,7 +158,7 @@ class Decoder {
         counters_.position_bits += position_end - head_bits;
         counters_.orientation_bits += io.used_bits() - position_end;
         in_step_ = true;
-        ++sequence_;
+        sequence_ = (sequence_ + 1) & wire::sequence_mask;
         ++counters_.frames;
         counters_.restarts += restart;
         turn_ = 0;

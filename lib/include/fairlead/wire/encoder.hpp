@@ -56,6 +56,8 @@ class Encoder {
               {params.tol_orientation_rad, params.tick_ns, params.delay_max, goal(params)}} {
         position_link_.scale = position_.scale();
         orientation_link_.scale = orientation_.scale();
+        position_link_.enabled = params.position;
+        orientation_link_.enabled = params.orientation;
     }
 
     /// One record. @return the frames that it completed, possibly none.
@@ -189,7 +191,7 @@ class Encoder {
         const std::uint16_t seed =
             restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_);
         size_ += append_crc16(out, head + n, seed);
-        ++sequence_;
+        sequence_ = (sequence_ + 1) & wire::sequence_mask;
     }
 
     EncoderParams params_;

@@ -14,113 +14,90 @@
 #include <cstdint>
 
 #include "fairlead/reduce/reducer.hpp"
-#include "fairlead/wire/bits.hpp"
 #include "fairlead/wire/crc.hpp"
+#include "fairlead/wire/knots.hpp"
 
 namespace fairlead::wire {
 
-inline constexpr std::uint32_t version = 0xF1;
+inline constexpr std::uint32_t version = 0xF2;
 inline constexpr std::size_t max_payload = 480;
 inline constexpr std::size_t max_frame = max_payload + 4;
 inline constexpr std::uint16_t restart_seed = 0xFA1E;
+inline constexpr std::uint32_t sequence_mask = 0xff;  // frames are numbered modulo 256
 
-/// Adaptive codes of one channel; reset to a few bits of themselves at restart points.
-struct Models {
-    RiceModel ticks{}, shift{}, cover{};
-    std::array<RiceModel, 2> jump{};
-    std::int32_t last_shift{12};
-};
-
+/// A power of two; most are those of lengths in metres and angles in radians.
 template <class Io>
-bool flag(Io& io, bool value) noexcept {
-    std::uint32_t v = value;
-    io.bits(v, 1);
-    return v != 0;
+void exponent(Io& io, std::int8_t& e) noexcept {
+    auto biased = static_cast<std::uint32_t>(e + 128);
+    io.bits(biased, 8);
+    e = static_cast<std::int8_t>(static_cast<std::int32_t>(biased & 255u) - 128);
 }
-
-template <class Io>
-void unsigned_number(Io& io, std::uint64_t& v, unsigned length_bits) noexcept {
-    std::uint32_t width = bit_width(v);
-    io.bits(width, length_bits);
-    std::uint64_t out = 0;
-    for (std::uint32_t done = 0; done < width && done < 64;) {
-        const std::uint32_t part = width - done < 32 ? width - done : 32;
-        auto piece = static_cast<std::uint32_t>(v >> (width - done - part));
-        io.bits(piece, part);
-        out = (out << part) | (part < 32 ? piece & ((1u << part) - 1u) : piece);
-        done += part;
-    }
-    if constexpr (!Io::writes) v = out;
-}
-
-/// A row of signed numbers of one common width.
-template <class Io, std::size_t D>
-void row(Io& io, std::array<std::int32_t, D>& values) noexcept {
-    std::uint32_t width = 0;
-    if constexpr (Io::writes)
-        for (const auto v : values) {
-            const std::uint32_t w = bit_width(zigzag(v));
-            width = w > width ? w : width;
-        }
-    io.bits(width, 6);
-    if (width > 32) width = 32;
-    for (auto& v : values) {
-        std::uint32_t z = zigzag(v);
-        io.bits(z, width);
-        if constexpr (!Io::writes) v = unzigzag(z);
-    }
-}
-
 template <class Io, std::size_t D, std::size_t Order>
 void scale(Io& io, typename VectorChannel<D, Order>::Scale& s, VectorChannel<D, Order>) noexcept {
-    for (auto& e : s.exponent) {
-        auto biased = static_cast<std::uint32_t>(e + 64);
-        io.bits(biased, 7);
-        if constexpr (!Io::writes)
-            e = static_cast<std::int8_t>(static_cast<std::int32_t>(biased) - 64);
+    bool same = true;
+    for (const auto e : s.exponent) same = same && e == s.exponent[0];
+    same = flag(io, same);
+    for (std::size_t d = 0; d < D; ++d) {
+        if (d == 0 || !same) exponent(io, s.exponent[d]);
+        if (same) s.exponent[d] = s.exponent[0];
     }
 }
 template <class Io>
 void scale(Io& io, OrientationChannel::Scale& s, OrientationChannel) noexcept {
-    auto biased = static_cast<std::uint32_t>(s.exponent + 64);
-    io.bits(biased, 7);
-    if constexpr (!Io::writes)
-        s.exponent = static_cast<std::int8_t>(static_cast<std::int32_t>(biased) - 64);
+    exponent(io, s.exponent);
 }
 
 /// Both ends' picture of one channel: what has been sent of its curve.
 template <class Channel>
 struct Link {
     typename Channel::Scale scale{};
+    bool enabled{true};  // the stream has this channel
     bool active{false};  // a curve has begun
     Curve<Channel> curve{};
     std::uint32_t cover_ticks{0};  // final before this, after the curve's last knot
+    std::uint32_t stride{0};  // by which the latest frame moved that; 0: not known since a restart
     Models models{};
 };
+
+/// What a late joiner is told of the adaptive codes; for the others, too, the rest begins anew.
+template <class Channel, class Io>
+void state(Io& io, Models& models) noexcept {
+    constexpr std::size_t jumps = Channel::model(0) == Channel::model(1) ? 1 : 2;
+    Models fresh;
+    const auto tell = [&](const RiceModel& from, RiceModel& to) {
+        std::uint32_t v = from.summary() < 15 ? from.summary() : 15;
+        io.bits(v, 4);
+        to.restore(v);
+    };
+    tell(models.ticks, fresh.ticks);
+    for (std::size_t i = 0; i < jumps; ++i) tell(models.jump[i], fresh.jump[i]);
+    fresh.last_reach = models.last_reach;
+    io.bits(fresh.last_reach, 5);
+    models = fresh;
+}
 
 /// Everything that a late joiner needs of a channel. The time goes back from base_ns.
 template <class Io, class Channel>
 void state(Io& io, Link<Channel>& link, std::int64_t base_ns, std::uint32_t tick_ns) noexcept {
+    link.enabled = flag(io, link.enabled);
+    if (!link.enabled) return;
     scale(io, link.scale, Channel{});
     link.active = flag(io, link.active);
-    Models& models = link.models;
-    for (RiceModel* m :
-         {&models.ticks, &models.shift, &models.cover, &models.jump[0], &models.jump[1]}) {
-        std::uint32_t v = m->summary();
-        io.bits(v, 5);
-        m->restore(v);
+    link.stride = 0;
+    if (!link.active) {
+        link.models = {};
+        return;
     }
-    auto shift = static_cast<std::uint32_t>(models.last_shift);
-    io.bits(shift, 5);
-    models.last_shift = static_cast<std::int32_t>(shift);
-    if (!link.active) return;
+    state<Channel>(io, link.models);
     auto back = static_cast<std::uint64_t>((base_ns - link.curve.span.t0_ns) / tick_ns);
     unsigned_number(io, back, 6);
     if constexpr (!Io::writes)
         link.curve.span.t0_ns = base_ns - static_cast<std::int64_t>(back * tick_ns);
-    std::uint64_t cover = link.cover_ticks;
-    unsigned_number(io, cover, 6);
-    link.cover_ticks = static_cast<std::uint32_t>(cover);
+    // what is covered ends some time before now
+    const auto until = static_cast<std::uint32_t>(back) + 1;
+    std::uint64_t open = until - link.cover_ticks;
+    unsigned_number(io, open, 6);
+    link.cover_ticks = until - static_cast<std::uint32_t>(open);
     for (auto& c : link.curve.span.c) row(io, c);
 }
 
@@ -148,53 +125,69 @@ void begin(Io& io, const Link<Channel>& link, std::uint8_t& coarse_out, Curve<Ch
     }
 }
 
-template <class Channel, class Io, class Knot>
-void knot(Io& io, Knot& k, Models& models) noexcept {
-    std::uint32_t ticks = k.ticks - 1;
-    io.rice(ticks, models.ticks);
-    k.ticks = ticks + 1;
-    const std::int32_t before = models.last_shift;
-    std::uint32_t change = zigzag(static_cast<std::int32_t>(k.shift) - before);
-    io.rice(change, models.shift);
-    models.last_shift = (models.last_shift + unzigzag(change)) & 31;
-    k.shift = static_cast<std::uint8_t>(models.last_shift);
-    if (k.shift == stop_shift) {
-        models.last_shift = before;
-        return;
+/// How far the curve is final now: about as much further as the frame before said.
+template <class Io, class Channel, std::size_t MaxKnots>
+void cover(Io& io, Link<Channel>& link, Batch<Channel, MaxKnots>& batch,
+           std::uint32_t covered) noexcept {
+    std::uint32_t moved = 0;
+    for (std::size_t i = 0; i < batch.size; ++i) moved += batch.knot[i].ticks;
+    std::uint32_t stride = moved + batch.cover_ticks - covered;
+    near(io, stride, link.stride, link.stride > 0 ? 1 : 6);
+    batch.cover_ticks = stride + covered - moved;
+    link.stride = stride;
+}
+
+/// The knots of a frame, by which `curve` moves on. @return false where a reader met nonsense.
+template <class Io, class Channel, std::size_t MaxKnots>
+bool knots(Io& io, Curve<Channel>& curve, Batch<Channel, MaxKnots>& batch, std::uint32_t covered,
+           std::uint32_t tick_ns, Models& models) noexcept {
+    std::size_t n = 0;
+    for (; flag(io, n < batch.size); ++n) {
+        if (n == MaxKnots || !io.ok()) return false;
+        auto& k = batch.knot[n];
+        const std::uint32_t nearest = covered > 0 ? covered : 1;  // no knot in what is final
+        std::uint32_t ticks = k.ticks - nearest;
+        io.rice(ticks, models.ticks);
+        k.ticks = ticks + nearest;
+        covered = 0;
+        curve.span = carried(curve.span, k.ticks, tick_ns);
+        jump<Channel>(io, k, curve.span, models);
+        if (k.shift == stop_shift)
+            curve.halt();
+        else
+            curve.turn(k.jump, k.shift);
     }
-    for (std::size_t d = 0; d < Channel::dimension; ++d) {
-        std::uint32_t z = zigzag(k.jump[d]);
-        io.rice(z, models.jump[Channel::model(d)]);
-        k.jump[d] = unzigzag(z);
-    }
+    batch.size = n;
+    return true;
 }
 
 /// What one frame says of one channel. @return false where a reader met nonsense.
 template <class Io, class Channel, std::size_t MaxKnots>
 bool content(Io& io, Link<Channel>& link, Batch<Channel, MaxKnots>& batch, std::int64_t base_ns,
              std::uint32_t tick_ns) noexcept {
-    if (!flag(io, batch.begins || batch.size || batch.covers)) return io.ok();
-    batch.begins = flag(io, batch.begins);
+    if constexpr (!Io::writes) {  // not `= {}`: clearing all knots costs more than a small frame
+        batch.begins = batch.breaks = batch.covers = false;
+        batch.size = 0;
+    }
+    if (!link.enabled || !flag(io, batch.begins || batch.size || batch.covers)) return io.ok();
+    Curve<Channel> curve = link.curve;
+    std::uint32_t covered = link.cover_ticks;
+    if (flag(io, !batch.begins && batch.covers)) {
+        batch.covers = true;
+    } else {
+        batch.covers = flag(io, batch.covers);
+        batch.begins = flag(io, batch.begins);
+    }
     if (batch.begins) {
         batch.breaks = flag(io, batch.breaks);
         begin(io, link, batch.coarse, batch.start, base_ns, tick_ns);
+        curve = batch.start;
+        covered = 0;
     } else if (!link.active) {
         return false;
     }
-    std::size_t n = 0;
-    while (flag(io, n < batch.size)) {
-        if (n == MaxKnots || !io.ok()) return false;
-        knot<Channel>(io, batch.knot[n], link.models);
-        ++n;
-    }
-    batch.size = n;
-    batch.covers = flag(io, batch.covers);
-    if (batch.covers) {
-        const std::uint32_t from = batch.begins || batch.size ? 0 : link.cover_ticks;
-        std::uint32_t more = batch.cover_ticks - from;
-        io.rice(more, link.models.cover);
-        batch.cover_ticks = from + more;
-    }
+    if (!knots(io, curve, batch, covered, tick_ns, link.models)) return false;
+    if (batch.covers) cover(io, link, batch, covered);
     return io.ok();
 }
 
@@ -217,7 +210,7 @@ void follow_knot(Link<Channel>& link, const Batch<Channel, MaxKnots>& batch, std
 
 /// Stream-wide facts at the head of a restart frame.
 struct Header {
-    std::uint32_t sequence{0};  // low 16 bits are sent
+    std::uint32_t sequence{0};  // of it, what the mask leaves
     std::uint32_t tick_ns{0};
     std::int64_t base_ns{0};  // a tick of the grid of knots
 };
@@ -227,16 +220,11 @@ bool header(Io& io, Header& h) noexcept {
     std::uint32_t v = version;
     io.bits(v, 8);
     if (v != version) return false;
-    std::uint32_t sequence = h.sequence & 0xffffu;
-    io.bits(sequence, 16);
-    std::uint64_t tick = h.tick_ns, base = zigzag64(h.base_ns);
-    unsigned_number(io, tick, 6);
-    unsigned_number(io, base, 7);
-    if constexpr (!Io::writes) {
-        h.sequence = sequence;
-        h.tick_ns = static_cast<std::uint32_t>(tick);
-        h.base_ns = unzigzag64(base);
-    }
+    std::uint32_t sequence = h.sequence & sequence_mask;
+    io.bits(sequence, 8);
+    duration(io, h.tick_ns);
+    instant(io, h.base_ns);
+    if constexpr (!Io::writes) h.sequence = sequence;
     return io.ok() && h.tick_ns > 0;
 }
 
