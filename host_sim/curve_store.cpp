@@ -33,15 +33,13 @@ void CurveStore::note_damage() {
 void CurveStore::push(std::string_view bytes) {
     for (const char byte : bytes) {
         ++byte_count_;
-        for (bool frame = decoder_.push(static_cast<std::uint8_t>(byte)); frame;
-             frame = decoder_.more())
-            take_frame();
+        if (decoder_.push(static_cast<std::uint8_t>(byte))) take_frame();
         note_damage();
     }
 }
 
 void CurveStore::finish() {
-    for (bool frame = decoder_.finish(); frame; frame = decoder_.more()) take_frame();
+    while (decoder_.finish()) take_frame();
     note_damage();
 }
 

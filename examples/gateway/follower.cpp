@@ -84,17 +84,15 @@ bool CurveFollower::take(const std::uint8_t* bytes, std::size_t size) noexcept {
 }
 
 void CurveFollower::follow() noexcept {
-    do {
-        Decoder::Update update;
-        while (decoder_.next(update)) apply(update);
-        send_newest(orientation_);
-        send_newest(position_);
-        Event event;
-        while (decoder_.next_event(event)) {
-            const EventItem item{event.t_ns, event.channel, event.value};
-            if (!feed_.events.push(item)) ++state_.events_dropped;
-        }
-    } while (decoder_.more());
+    Decoder::Update update;
+    while (decoder_.next(update)) apply(update);
+    send_newest(orientation_);
+    send_newest(position_);
+    Event event;
+    while (decoder_.next_event(event)) {
+        const EventItem item{event.t_ns, event.channel, event.value};
+        if (!feed_.events.push(item)) ++state_.events_dropped;
+    }
 }
 
 void CurveFollower::apply(const Decoder::Update& update) noexcept {

@@ -67,13 +67,11 @@ struct Heard {
 };
 
 void drain(Decoder& decoder, std::vector<Event>& events) {
-    do {
-        Decoder::Update update;
-        while (decoder.next(update)) {
-        }
-        Event event;
-        while (decoder.next_event(event)) events.push_back(event);
-    } while (decoder.more());
+    Decoder::Update update;
+    while (decoder.next(update)) {
+    }
+    Event event;
+    while (decoder.next_event(event)) events.push_back(event);
 }
 
 Heard hear(const std::vector<std::uint8_t>& bytes) {
@@ -81,7 +79,7 @@ Heard hear(const std::vector<std::uint8_t>& bytes) {
     Heard heard;
     for (const std::uint8_t byte : bytes)
         if (decoder->push(byte)) drain(*decoder, heard.events);
-    if (decoder->finish()) drain(*decoder, heard.events);
+    while (decoder->finish()) drain(*decoder, heard.events);
     heard.counters = decoder->event_counters();
     heard.curves = decoder->counters();
     return heard;

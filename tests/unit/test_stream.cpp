@@ -62,18 +62,16 @@ struct Player {
             if (decoder->push(data[i])) drain();
     }
     void finish() {
-        if (decoder->finish()) drain();
+        while (decoder->finish()) drain();
     }
     void drain() {
-        do {
-            Decoder::Update update;
-            while (decoder->next(update)) {
-                if (update.channel == Decoder::Channel::position)
-                    position.take(decoder->position(), update, decoder->tick_ns());
-                else
-                    orientation.take(decoder->orientation(), update, decoder->tick_ns());
-            }
-        } while (decoder->more());
+        Decoder::Update update;
+        while (decoder->next(update)) {
+            if (update.channel == Decoder::Channel::position)
+                position.take(decoder->position(), update, decoder->tick_ns());
+            else
+                orientation.take(decoder->orientation(), update, decoder->tick_ns());
+        }
     }
     bool at(std::int64_t t, std::array<float, 3>& p) const {
         return position.at(t, decoder->tick_ns(), decoder->position().scale, p);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace fairlead {
 
@@ -20,10 +21,11 @@ constexpr std::int64_t unzigzag64(std::uint64_t v) noexcept {
     return static_cast<std::int64_t>((v >> 1) ^ ((v & 1u) ? ~std::uint64_t{0} : std::uint64_t{0}));
 }
 /// Bits that v needs; 0 for 0.
-constexpr unsigned bit_width(std::uint64_t v) noexcept {
+template <class Unsigned>
+constexpr unsigned bit_width(Unsigned v) noexcept {
+    static_assert(!std::numeric_limits<Unsigned>::is_signed);
     unsigned n = 0;
-    for (; n < 64 && (v >> n) != 0; ++n) {
-    }
+    for (; v != 0; v >>= 1) ++n;
     return n;
 }
 
@@ -55,18 +57,32 @@ class BitWriter {
     constexpr BitWriter(std::uint8_t* data, std::size_t capacity) noexcept
         : data_{data}, capacity_{capacity} {}
 
+    /// The lowest n bits, at most 32.
     constexpr void bits(std::uint32_t& v, unsigned n) noexcept {
-        for (unsigned i = n; i-- > 0;) put((v >> i) & 1u);
+        while (n > 0) {  // what fits into a byte at a time
+            if (used_ / 8 >= capacity_) {
+                ok_ = false;
+                return;
+            }
+            const auto place = static_cast<unsigned>(used_ % 8), room = 8 - place;
+            const unsigned some = n < room ? n : room;
+            n -= some;
+            const std::uint32_t part = (v >> n) & ((1u << some) - 1u);
+            const unsigned before = place > 0 ? data_[used_ / 8] : 0u;
+            data_[used_ / 8] = static_cast<std::uint8_t>(before | (part << (room - some)));
+            used_ += some;
+        }
     }
     constexpr void rice(std::uint32_t& v, RiceModel& model) noexcept {
         const unsigned k = model.k();
         const std::uint32_t quotient = v >> k;
         if (quotient < escape) {
-            for (std::uint32_t i = 0; i < quotient; ++i) put(1);
-            put(0);
+            std::uint32_t ones = (2u << quotient) - 2u;  // and a zero
+            bits(ones, quotient + 1);
             bits(v, k);
         } else {
-            for (std::uint32_t i = 0; i < escape; ++i) put(1);
+            std::uint32_t ones = (1u << escape) - 1u;
+            bits(ones, escape);
             bits(v, 32);
         }
         model.learn(v);
@@ -77,17 +93,6 @@ class BitWriter {
     static constexpr std::uint32_t escape = 20;
 
   private:
-    constexpr void put(std::uint32_t bit) noexcept {
-        if (used_ / 8 >= capacity_) {
-            ok_ = false;
-            return;
-        }
-        const unsigned place = 7u - static_cast<unsigned>(used_ % 8);
-        if (place == 7) data_[used_ / 8] = 0;
-        data_[used_ / 8] = static_cast<std::uint8_t>(data_[used_ / 8] | (bit << place));
-        ++used_;
-    }
-
     std::uint8_t* data_;
     std::size_t capacity_;
     std::size_t used_{0};
@@ -103,14 +108,30 @@ class BitReader {
     constexpr BitReader(const std::uint8_t* data, std::size_t size) noexcept
         : data_{data}, size_{size} {}
 
+    /// n bits, at most 32.
     constexpr void bits(std::uint32_t& v, unsigned n) noexcept {
         v = 0;
-        for (unsigned i = 0; i < n; ++i) v = (v << 1) | get();
+        while (n > 0) {  // what a byte holds at a time
+            if (used_ / 8 >= size_) {
+                ok_ = false;
+                v = n < 32 ? v << n : 0;
+                return;
+            }
+            const auto room = 8 - static_cast<unsigned>(used_ % 8);
+            const unsigned some = n < room ? n : room;
+            const std::uint32_t byte = data_[used_ / 8];
+            v = (v << some) | ((byte >> (room - some)) & ((1u << some) - 1u));
+            used_ += some;
+            n -= some;
+        }
     }
     constexpr void rice(std::uint32_t& v, RiceModel& model) noexcept {
         const unsigned k = model.k();
         std::uint32_t quotient = 0;
-        while (quotient < BitWriter::escape && get() != 0) ++quotient;
+        for (std::uint32_t bit = 1; quotient < BitWriter::escape; ++quotient) {
+            bits(bit, 1);
+            if (bit == 0) break;
+        }
         if (quotient < BitWriter::escape) {
             bits(v, k);
             v |= quotient << k;
@@ -125,16 +146,6 @@ class BitReader {
     constexpr std::size_t left() const noexcept { return size_ - (used_ + 7) / 8; }
 
   private:
-    constexpr std::uint32_t get() noexcept {
-        if (used_ / 8 >= size_) {
-            ok_ = false;
-            return 0;
-        }
-        const std::uint32_t bit = (data_[used_ / 8] >> (7 - used_ % 8)) & 1u;
-        ++used_;
-        return bit;
-    }
-
     const std::uint8_t* data_{nullptr};
     std::size_t size_{0};
     std::size_t used_{0};

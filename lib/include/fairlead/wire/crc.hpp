@@ -1,24 +1,65 @@
 #pragma once
 // CRC-16/CCITT (x^16 + x^12 + x^5 + 1), a nibble at a time: finds every error burst of up to 16
 // bits.
+//
+// A register is a polynomial modulo that one, and a zero byte multiplies it by x^8. So what a start
+// value or a prefix adds to the checksum of a longer piece is a product, and the checksum of any
+// piece follows from those of two prefixes, at a cost that does not depend on its length.
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 namespace fairlead {
 
-constexpr std::uint16_t crc16(const std::uint8_t* data, std::size_t size,
-                              std::uint16_t seed) noexcept {
-    constexpr std::uint16_t table[16] = {0x0000, 0x1021, 0x2042, 0x3063, 0x4084, 0x50a5,
-                                         0x60c6, 0x70e7, 0x8108, 0x9129, 0xa14a, 0xb16b,
-                                         0xc18c, 0xd1ad, 0xe1ce, 0xf1ef};
+/// Of four bits each. Not in the function, where compilers copy it to the stack in every call.
+inline constexpr std::array<std::uint16_t, 16> crc16_table{
+    0x0000, 0x1021, 0x2042, 0x3063, 0x4084, 0x50a5, 0x60c6, 0x70e7,
+    0x8108, 0x9129, 0xa14a, 0xb16b, 0xc18c, 0xd1ad, 0xe1ce, 0xf1ef};
+
+/// The register after one more byte.
+constexpr std::uint16_t crc16(std::uint8_t byte, std::uint16_t seed) noexcept {
     unsigned crc = seed;
-    for (std::size_t i = 0; i < size; ++i) {
-        crc = ((crc << 4) ^ table[((crc >> 12) ^ (data[i] >> 4)) & 15u]) & 0xffffu;
-        crc = ((crc << 4) ^ table[((crc >> 12) ^ data[i]) & 15u]) & 0xffffu;
-    }
+    crc = ((crc << 4) ^ crc16_table[((crc >> 12) ^ (byte >> 4)) & 15u]) & 0xffffu;
+    crc = ((crc << 4) ^ crc16_table[((crc >> 12) ^ byte) & 15u]) & 0xffffu;
     return static_cast<std::uint16_t>(crc);
 }
+
+constexpr std::uint16_t crc16(const std::uint8_t* data, std::size_t size,
+                              std::uint16_t seed) noexcept {
+    for (std::size_t i = 0; i < size; ++i) seed = crc16(data[i], seed);
+    return seed;
+}
+
+/// The product of two registers, four bits at a time.
+constexpr std::uint16_t crc16_product(std::uint16_t a, std::uint16_t b) noexcept {
+    unsigned product = 0;
+    for (unsigned i = 0, bits = b; i < 4; ++i, bits <<= 4) {
+        const unsigned four = bits >> 12;
+        const unsigned part = (four & 8u) * a ^ (four & 4u) * a ^ (four & 2u) * a ^ (four & 1u) * a;
+        product = (product << 4) ^ crc16_table[(product >> 12) & 15u] ^ part ^
+                  crc16_table[(part >> 16) & 15u];
+    }
+    return static_cast<std::uint16_t>(product);
+}
+
+/// x^(8 n) for n up to Max, as products of two.
+template <std::size_t Max>
+struct Crc16Powers {
+    std::array<std::uint16_t, 16> low{};
+    std::array<std::uint16_t, Max / 16 + 1> high{};
+
+    constexpr Crc16Powers() noexcept {
+        std::uint16_t power = 1;
+        for (std::size_t i = 0; i <= Max || i < 16; ++i, power = crc16(0, power)) {
+            if (i < 16) low[i] = power;
+            if (i % 16 == 0) high[i / 16] = power;
+        }
+    }
+    /// The register after n zero bytes.
+    constexpr std::uint16_t after_zeros(std::uint16_t crc, std::size_t n) const noexcept {
+        return crc16_product(crc16_product(crc, high[n / 16]), low[n % 16]);
+    }
+};
 
 /// Puts the checksum of `size` bytes behind them. @return the size with it.
 constexpr std::size_t append_crc16(std::uint8_t* data, std::size_t size,

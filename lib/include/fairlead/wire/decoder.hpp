@@ -2,13 +2,21 @@
 // Bytes in, curves out: finds frames, notices damage, and rebuilds the encoder's curves bit for
 // bit.
 //
-// push() takes one byte; when it completes a good frame, next() gives what the frame says, one
-// piece at a time, and next_event() the events. After damage or loss no curve is believed until the
-// next restart frame; events need none. Bounded memory and work.
+// push() takes one byte; when it finds a good frame, next() gives what the frame says, one piece at
+// a time, and next_event() the events. After damage or loss no curve is believed until the next
+// restart frame; events need none.
+//
+// Bounded memory and work. Damage lets a decoder wait for the end of a frame that never was, and
+// then all bytes since its false head have to be searched again. A push tries `tries_per_byte`
+// places at most, each at a cost that does not depend on the frame's length (wire/backlog.hpp), and
+// takes one frame at most; the next pushes go on. So frames that were held back come out while
+// later bytes go in, at most max_frame / (tries_per_byte - 1) bytes late; undamaged ones with their
+// last byte.
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/wire/backlog.hpp"
 #include "fairlead/wire/events.hpp"
 #include "fairlead/wire/layout.hpp"
 
@@ -40,20 +48,18 @@ class Decoder {
                           // along
     };
 
-    /// @return true when the byte completed a good frame: call next() and next_event() until they
-    /// are empty.
+    static constexpr std::size_t tries_per_byte = 4;
+
+    /// @return true when a good frame was found: call next() and next_event() until they are empty.
     bool push(std::uint8_t byte) noexcept {
-        if (used_ == buffer_.size()) shift(1);
-        buffer_[used_++] = byte;
-        return find_frame();
+        bytes_.push(byte);
+        return find_frame(tries_per_byte);
     }
-    /// More frames may wait among bytes that were searched again: ask when next() has run empty.
-    bool more() noexcept { return find_frame(); }
-    /// The input has ended: what looked like the head of a longer frame is searched, too. Then as
-    /// more().
+    /// The input has ended: looks for the next frame among the bytes that are left, also behind
+    /// what looked like the head of a longer one. As push(); call it until it returns false.
     bool finish() noexcept {
         ended_ = true;
-        return find_frame();
+        return find_frame(wire::Backlog::live_max);
     }
 
     /// The next step that the frame tells. @return false when there is none left.
@@ -84,52 +90,76 @@ class Decoder {
     static constexpr std::size_t batch_knots = 8;
     static constexpr std::uint8_t turns = 2;
 
-    /// Looks for a frame at the head of the buffer; gives up bytes that cannot start one.
-    bool find_frame() noexcept {
-        for (std::size_t tries = 0; tries <= wire::max_frame && used_ > 0; ++tries) {
-            const std::uint8_t first = buffer_[0];
-            const bool two = first >= 0x80, event = first >= wire::event_head;
-            const bool restart = first >= 0xC0 && !event;
-            const std::size_t head = two ? 2 : 1;
-            if (used_ < head && !ended_) return false;
-            const std::size_t n =
-                two ? (first & (event ? 0x1fu : 0x3fu)) * 256u + buffer_[1] : first;
-            // a stray byte must not hold back what follows until its length has come: frames that
-            // need no step are believed from their version on
-            const std::uint32_t version = event ? wire::event_version : wire::version;
-            const bool stray = (restart || event) && used_ > head && buffer_[head] != version;
-            const bool possible =
-                n > 0 && n <= wire::max_payload && !stray && (in_step_ || restart || event);
-            const bool whole = used_ >= head + n + 2;
-            if (possible && !whole && !ended_) return false;  // wait for the rest
-            const std::uint16_t seed =
-                event ? wire::event_seed
-                      : (restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_));
-            if (possible && whole && good(head + n, seed) &&
-                (event ? parse_events(head, n) : parse(head, n, restart))) {
-                shift(head + n + 2);
-                return true;
+    /// What the first bytes of the backlog say of the frame that they would begin.
+    struct Head {
+        std::size_t size{1};     // of the head itself
+        std::size_t payload{0};  // bytes that follow it, before the checksum
+        std::uint16_t seed{0};
+        bool event{false}, restart{false};
+
+        std::size_t sealed() const noexcept { return size + payload; }
+        std::size_t frame() const noexcept { return sealed() + 2; }
+        bool possible() const noexcept { return payload > 0 && payload <= wire::max_payload; }
+    };
+
+    /// Looks for a frame at the front of the backlog; gives up bytes that cannot start one.
+    bool find_frame(std::size_t tries) noexcept {
+        for (; tries > 0 && bytes_.size() > 0; --tries) {
+            if (may_begin()) {
+                if (bytes_.size() == 1 && bytes_[0] >= 0x80 && !ended_) return false;
+                const Head head = read_head();
+                const bool whole = bytes_.size() >= head.frame();
+                if (head.possible() && !whole && !ended_) return false;  // wait for the rest
+                if (head.possible() && whole && bytes_.sealed(head.sealed(), head.seed) &&
+                    parse(head)) {
+                    bytes_.drop(head.frame());
+                    return true;
+                }
             }
-            if (in_step_) ++counters_.damaged;
-            in_step_ = false;
-            ++counters_.skipped_bytes;
-            shift(1);
+            give_up_byte();
         }
         return false;
     }
 
-    bool good(std::size_t size, std::uint16_t seed) const noexcept {
-        const std::uint16_t crc = crc16(buffer_.data(), size, seed);
-        return buffer_[size] == crc >> 8 && buffer_[size + 1] == (crc & 0xffu);
+    /// Out of step only frames that need no step are looked for. They are believed from their
+    /// version on: a stray byte must not hold back what follows until its length has come.
+    bool may_begin() const noexcept {
+        const std::uint8_t first = bytes_[0];
+        if (first < wire::stepless_head) return in_step_;
+        const auto version = first >= wire::event_head ? wire::event_version : wire::version;
+        return bytes_.size() < 3 || bytes_[2] == version;
     }
 
-    bool parse_events(std::size_t head, std::size_t n) noexcept {
-        BitReader io{buffer_.data() + head, n};
-        return events_.parse(io, head + n + 2);
+    void give_up_byte() noexcept {
+        if (in_step_) ++counters_.damaged;
+        in_step_ = false;
+        ++counters_.skipped_bytes;
+        bytes_.drop(1);
     }
 
-    bool parse(std::size_t head, std::size_t n, bool restart) noexcept {
-        BitReader io{buffer_.data() + head, n};
+    Head read_head() const noexcept {
+        const std::uint8_t first = bytes_[0];
+        Head head;
+        head.event = first >= wire::event_head;
+        head.restart = first >= wire::stepless_head && !head.event;
+        head.seed = head.event     ? wire::event_seed
+                    : head.restart ? wire::restart_seed
+                                   : static_cast<std::uint16_t>(sequence_);
+        head.payload = first;
+        if (first >= 0x80) {
+            head.size = 2;
+            head.payload = (first & (head.event ? 0x1fu : 0x3fu)) * 256u;
+            if (bytes_.size() > 1) head.payload += bytes_[1];
+        }
+        return head;
+    }
+
+    bool parse(const Head& head) noexcept {
+        BitReader io{bytes_.data() + head.size, head.payload};
+        return head.event ? events_.parse(io, head.frame()) : parse_curves(io, head.restart);
+    }
+
+    bool parse_curves(BitReader& io, bool restart) noexcept {
         rejoined_ = false;
         if (restart) {
             wire::Header h;
@@ -147,8 +177,6 @@ class Decoder {
             position_ = position;
             orientation_ = orientation;
         }
-        position_batch_ = {};
-        orientation_batch_ = {};
         const std::size_t head_bits = io.used_bits();
         if (!wire::content(io, position_, position_batch_, header_.base_ns, header_.tick_ns))
             return false;
@@ -200,13 +228,7 @@ class Decoder {
         return false;
     }
 
-    void shift(std::size_t n) noexcept {
-        for (std::size_t i = n; i < used_; ++i) buffer_[i - n] = buffer_[i];
-        used_ -= n;
-    }
-
-    std::array<std::uint8_t, wire::max_frame> buffer_{};
-    std::size_t used_{0};
+    wire::Backlog bytes_{};
     wire::Header header_{};
     wire::Link<Position> position_{};
     wire::Link<Orientation> orientation_{};

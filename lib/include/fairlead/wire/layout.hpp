@@ -24,6 +24,7 @@ inline constexpr std::size_t max_payload = 480;
 inline constexpr std::size_t max_frame = max_payload + 4;
 inline constexpr std::uint16_t restart_seed = 0xFA1E;
 inline constexpr std::uint32_t sequence_mask = 0xff;  // frames are numbered modulo 256
+inline constexpr std::uint8_t stepless_head = 0xC0;   // first byte from which no step is needed
 
 /// A power of two; most are those of lengths in metres and angles in radians.
 template <class Io>
@@ -178,6 +179,8 @@ bool content(Io& io, Link<Channel>& link, Batch<Channel, MaxKnots>& batch, std::
         batch.covers = flag(io, batch.covers);
         batch.begins = flag(io, batch.begins);
     }
+    if (!flag(io, batch.begins || batch.size || batch.covers)) return io.ok();
+    batch.begins = flag(io, batch.begins);
     if (batch.begins) {
         batch.breaks = flag(io, batch.breaks);
         begin(io, link, batch.coarse, batch.start, base_ns, tick_ns);
