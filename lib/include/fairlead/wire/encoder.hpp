@@ -63,6 +63,7 @@ class Encoder {
     /// One record. @return the frames that it completed, possibly none.
     Bytes push(const Pose& pose) noexcept {
         size_ = 0;
+        const std::int64_t before_ns = now_ns_;
         now_ns_ = pose.t_ns;
         if (!started_) start();
         feed(position_, params_.position && (pose.flags & flag::position_valid), pose,
@@ -70,7 +71,9 @@ class Encoder {
              position_gap_);
         feed(orientation_, params_.orientation && (pose.flags & flag::orientation_valid), pose,
              pose.q_wb, flag::gap_before | flag::orientation_gap, orientation_gap_);
-        const bool closing = position_.closing() || orientation_.closing();
+        // a restart point is a frame like others: what it can take along need not leave soon after
+        const std::int64_t lead_ns = (now_ns_ - before_ns) * PositionReducer::lead;
+        const bool closing = position_.closing() || orientation_.closing() || restart_due(lead_ns);
         position_.allot(slice_, closing);
         orientation_.allot(slice_, closing);
         for (std::size_t i = 0; i < max_frames; ++i) {  // more than one only where a curve starts
@@ -115,6 +118,8 @@ class Encoder {
     static constexpr std::size_t max_frames = 2;  // a push completes at most
 
   private:
+    static constexpr std::int64_t restart_slack = 16;  // a part of the interval
+
     static std::uint32_t goal(const EncoderParams& p) noexcept {
         return p.goal ? p.goal : p.delay_max / 3;
     }
@@ -139,8 +144,9 @@ class Encoder {
         restart_wanted_ = true;
     }
 
-    bool restart_due() const noexcept {
-        return !restart_wanted_ && now_ns_ - last_restart_ns_ >= params_.restart_interval_ns;
+    bool restart_due(std::int64_t soon_ns = 0) const noexcept {
+        return !restart_wanted_ &&
+               now_ns_ - last_restart_ns_ >= params_.restart_interval_ns - soon_ns;
     }
 
     void let_out_events(std::uint32_t hold) noexcept {
@@ -150,7 +156,9 @@ class Encoder {
     /// One frame with what both channels can make final.
     void frame() noexcept {
         BitWriter io{out_.data() + size_ + 2, wire::max_payload};
-        const bool restart = restart_wanted_ || restart_due();
+        // rather a little early than with one more frame
+        const bool restart =
+            restart_wanted_ || restart_due(params_.restart_interval_ns / restart_slack);
         if (restart) {
             header_ = {sequence_, params_.tick_ns,
                        epoch_ns_ + (now_ns_ - epoch_ns_) / params_.tick_ns * params_.tick_ns};

@@ -41,6 +41,19 @@ float root_of_power(int n) noexcept {
     return out;
 }
 
+/// The length in ticks of the interval that a rounding is for, its inverse: of 0 places one tick's.
+template <class Channel>
+float per_length(std::uint32_t reach) noexcept {
+    constexpr int of_one_tick = fraction_bits(Channel::order - 1) - 4;
+    return root_of_power<Channel::order - 1>(static_cast<int>(reach) - of_one_tick);
+}
+
+/// Intervals to come may be about as long as the one that the latest rounding was for.
+template <class Channel>
+std::uint32_t mean16_of_reach(std::uint32_t reach) noexcept {
+    return static_cast<std::uint32_t>(to_integer(0.5f * 16 / per_length<Channel>(reach)));
+}
+
 /// What the state of a curve at a knot lets one expect of the jump there.
 template <class Channel>
 class Outlook {
@@ -61,12 +74,11 @@ class Outlook {
 
     /// In multiples of 2^shift.
     Jump expected(std::uint32_t reach, int shift) const noexcept {
-        constexpr int of_one_tick = fraction_bits(last) - 4;
-        const float per_length = root_of_power<last>(static_cast<int>(reach) - of_one_tick);
+        const float per_tick = per_length<Channel>(reach);
         const float places = power_of_two(-shift);
         Jump out;
         for (std::size_t d = 0; d < D; ++d)
-            out[d] = to_integer((cancelling_[d] + leading_[d] * per_length) * places);
+            out[d] = to_integer((cancelling_[d] + leading_[d] * per_tick) * places);
         return out;
     }
 

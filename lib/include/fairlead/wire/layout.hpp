@@ -2,9 +2,10 @@
 // What stands in a frame, written down once for both directions. docs/formats.md tells it in prose.
 //
 //   data frame     length (1 byte, or 2 with the top bits 10), payload, CRC-16 seeded with the
-//   sequence number restart frame  length (2 bytes, top bits 11), payload that starts with the
-//   whole state, CRC-16 payload        [restart: header, one state per channel], then per channel:
-//   begin?, knots, cover
+//                  sequence number
+//   restart frame  length (2 bytes, top bits 110), payload that starts with the whole state, CRC-16
+//   payload        [restart: header, one state per channel], then per channel of the stream:
+//                  begin?, knots, cover
 //
 // The sequence number of a data frame is not sent: it seeds the CRC, so that a lost or repeated
 // frame is noticed like a damaged one. Restart frames carry it. Only there a decoder that is out of
@@ -22,16 +23,23 @@ namespace fairlead::wire {
 inline constexpr std::uint32_t version = 0xF2;
 inline constexpr std::size_t max_payload = 480;
 inline constexpr std::size_t max_frame = max_payload + 4;
+inline constexpr std::uint32_t usual_value_width = 18, usual_width = 10;  // of a curve's integers
 inline constexpr std::uint16_t restart_seed = 0xFA1E;
 inline constexpr std::uint32_t sequence_mask = 0xff;  // frames are numbered modulo 256
 inline constexpr std::uint8_t stepless_head = 0xC0;   // first byte from which no step is needed
 
-/// A power of two; most are those of lengths in metres and angles in radians.
+/// A power of two: mostly one of those of lengths in metres and angles in radians.
 template <class Io>
 void exponent(Io& io, std::int8_t& e) noexcept {
-    auto biased = static_cast<std::uint32_t>(e + 128);
-    io.bits(biased, 8);
-    e = static_cast<std::int8_t>(static_cast<std::int32_t>(biased & 255u) - 128);
+    auto small = static_cast<std::uint32_t>(e + 27);
+    if (flag(io, small < 32)) {
+        io.bits(small, 5);
+    } else {
+        small = static_cast<std::uint8_t>(e);
+        io.bits(small, 8);
+        small += 27;
+    }
+    e = static_cast<std::int8_t>(static_cast<std::uint8_t>(small - 27));
 }
 template <class Io, std::size_t D, std::size_t Order>
 void scale(Io& io, typename VectorChannel<D, Order>::Scale& s, VectorChannel<D, Order>) noexcept {
@@ -60,6 +68,12 @@ struct Link {
     Models models{};
 };
 
+/// Some ticks before a time; what a reader is told may be nonsense, and then wraps around.
+inline std::int64_t earlier(std::int64_t t_ns, std::int64_t ticks, std::uint32_t tick_ns) noexcept {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(t_ns) -
+                                     static_cast<std::uint64_t>(ticks) * tick_ns);
+}
+
 /// What a late joiner is told of the adaptive codes; for the others, too, the rest begins anew.
 template <class Channel, class Io>
 void state(Io& io, Models& models) noexcept {
@@ -70,10 +84,10 @@ void state(Io& io, Models& models) noexcept {
         io.bits(v, 4);
         to.restore(v);
     };
-    tell(models.ticks, fresh.ticks);
     for (std::size_t i = 0; i < jumps; ++i) tell(models.jump[i], fresh.jump[i]);
     fresh.last_reach = models.last_reach;
     io.bits(fresh.last_reach, 5);
+    fresh.ticks.mean16 = mean16_of_reach<Channel>(fresh.last_reach);
     models = fresh;
 }
 
@@ -90,16 +104,19 @@ void state(Io& io, Link<Channel>& link, std::int64_t base_ns, std::uint32_t tick
         return;
     }
     state<Channel>(io, link.models);
-    auto back = static_cast<std::uint64_t>((base_ns - link.curve.span.t0_ns) / tick_ns);
-    unsigned_number(io, back, 6);
-    if constexpr (!Io::writes)
-        link.curve.span.t0_ns = base_ns - static_cast<std::int64_t>(back * tick_ns);
-    // what is covered ends some time before now
-    const auto until = static_cast<std::uint32_t>(back) + 1;
-    std::uint64_t open = until - link.cover_ticks;
-    unsigned_number(io, open, 6);
-    link.cover_ticks = until - static_cast<std::uint32_t>(open);
-    for (auto& c : link.curve.span.c) row(io, c);
+    // what is covered ends some time before now, and began at a knot some time before that
+    const std::int64_t t0_ns = link.curve.span.t0_ns;
+    auto open = static_cast<std::uint32_t>((base_ns - t0_ns) / tick_ns) + 1 - link.cover_ticks;
+    mostly_small(io, open, 6);
+    mostly_small(io, link.cover_ticks, 6);
+    if constexpr (!Io::writes) {
+        const std::int64_t back = std::int64_t{open} + link.cover_ticks - 1;
+        link.curve.span.t0_ns = earlier(base_ns, back, tick_ns);
+    }
+    auto& c = link.curve.span.c;
+    row(io, c[0], usual_value_width);
+    std::uint32_t width = usual_width;
+    for (std::size_t m = 1; m < Channel::order; ++m) width = row(io, c[m], width);
 }
 
 /// The start of a curve: its polynomial, rounded as `coarse` says.
@@ -113,12 +130,13 @@ void begin(Io& io, const Link<Channel>& link, std::uint8_t& coarse_out, Curve<Ch
     const std::int64_t apart = (curve.span.t0_ns - before_ns) / tick_ns;
     std::uint64_t ticks = zigzag64(apart);
     unsigned_number(io, ticks, 6);
-    if constexpr (!Io::writes) curve.span.t0_ns = before_ns + unzigzag64(ticks) * tick_ns;
+    if constexpr (!Io::writes) curve.span.t0_ns = earlier(before_ns, -unzigzag64(ticks), tick_ns);
+    std::uint32_t width = usual_width;
     for (std::size_t m = 0; m < Channel::order; ++m) {
         const int shift = start_shift(m, static_cast<int>(coarse));
         auto values = curve.span.c[m];
         for (auto& v : values) v >>= shift;
-        row(io, values);
+        width = row(io, values, width);
         if constexpr (!Io::writes)
             for (std::size_t d = 0; d < Channel::dimension; ++d)
                 curve.span.c[m][d] =

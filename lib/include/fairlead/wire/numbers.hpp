@@ -53,21 +53,24 @@ void near(Io& io, std::uint32_t& v, std::uint32_t expected, unsigned k) noexcept
     v = expected + static_cast<std::uint32_t>(unzigzag(z));
 }
 
-/// A row of signed numbers of one common width, at most 31 bits.
+/// A row of signed numbers of one common width, at most 31 bits, which is likely to be `usual`.
+/// @return the width.
 template <class Io, std::size_t D>
-void row(Io& io, std::array<std::int32_t, D>& values) noexcept {
+std::uint32_t row(Io& io, std::array<std::int32_t, D>& values, std::uint32_t usual) noexcept {
     std::uint32_t width = 0;
     if constexpr (Io::writes)
         for (const auto v : values) {
             const std::uint32_t w = bit_width(zigzag(v));
             width = w > width ? w : width;
         }
-    io.bits(width, 5);
+    near(io, width, usual, 1);
+    width &= 31u;
     for (auto& v : values) {
         std::uint32_t z = zigzag(v);
         io.bits(z, width);
         if constexpr (!Io::writes) v = unzigzag(z);
     }
+    return width;
 }
 
 /// A length of time: two decimal digits and a power of ten where that is exact, else all of it.
@@ -82,15 +85,19 @@ void duration(Io& io, std::uint32_t& ns) noexcept {
     ns = digits;
 }
 
-/// A point in time: shorter where it is a whole number of microseconds.
+/// A point in time: shorter where it is a whole number of microseconds, and not before zero.
 template <class Io>
 void instant(Io& io, std::int64_t& ns) noexcept {
-    const bool whole = flag(io, ns % 1000 == 0);
-    std::uint64_t v = zigzag64(whole ? ns / 1000 : ns);
-    unsigned_number(io, v, 7);
-    if constexpr (!Io::writes)
-        ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(unzigzag64(v)) *
-                                       (whole ? 1000u : 1u));
+    const bool whole = flag(io, ns >= 0 && ns % 1000 == 0);
+    auto v = static_cast<std::uint64_t>(ns);
+    if (whole) {
+        v /= 1000;
+        unsigned_number(io, v, 6);
+        v *= 1000;
+    } else {
+        unsigned_number(io, v, 7);
+    }
+    ns = static_cast<std::int64_t>(v);
 }
 
 }  // namespace fairlead::wire
