@@ -83,8 +83,9 @@ CellResult measure(const Cell& cell, const Options& options, Cache& cache, Sweep
         sweeps.add(cell, bound, all);
     }
     const Program program{options.program, options.folder, options.reduce_arguments};
-    for (std::size_t d = 0; d < delays.size() && !options.rivals_only; ++d)
-        result.ours[d] = program.reduce(cell, delays[d]);
+    for (std::size_t s = 0; s < slices.size() && !options.rivals_only; ++s)
+        for (std::size_t d = 0; d < delays.size(); ++d)
+            result.ours[s][d] = program.reduce(cell, delays[d], slices[s]);
     return result;
 }
 

@@ -34,18 +34,26 @@ double number_after(const std::string& json, const std::string& name, std::size_
     return std::strtod(json.c_str() + colon + 1, nullptr);
 }
 
+/// From one value to another: a chord, or an angle.
+double apart(const Cell& cell, const double* a, const double* b) {
+    if (cell.track.channel == Channel::orientation) return rotation_angle(a, b);
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
 /// Compares t_ns,px,py,pz,qw,qx,qy,qz with the track.
 void check(const std::string& csv, const Cell& cell, Ours& ours) {
     std::istringstream lines{csv};
     std::string line;
     std::getline(lines, line);
     const bool position = cell.track.channel == Channel::position;
-    std::size_t i = 0;
+    double before[4] = {}, square = 0, off_square = 0;
+    bool follows = false;
+    std::size_t i = 0, steps = 0;
     for (; i < cell.track.size() && std::getline(lines, line); ++i) {
         std::istringstream fields{line};
         std::string field;
         for (int skip = position ? 1 : 4; skip > 0; --skip) std::getline(fields, field, ',');
-        double value[4] = {};
+        double value[4] = {1};
         bool empty = false;
         for (std::size_t d = 0; d < cell.track.dim(); ++d) {
             if (!std::getline(fields, field, ',')) field.clear();
@@ -56,6 +64,20 @@ void check(const std::string& csv, const Cell& cell, Ours& ours) {
             ++ours.samples_missing;
         else
             ours.error = std::max(ours.error, cell.track.error(i, value) / cell.tolerance);
+        if (follows && !empty) {
+            const double step_s = cell.track.t[i] - cell.track.t[i - 1];
+            const double speed = apart(cell, cell.track.at(i - 1), cell.track.at(i)) / step_s;
+            const double off = apart(cell, before, value) / step_s - speed;
+            square += speed * speed;
+            off_square += off * off;
+            ++steps;
+        }
+        std::copy(value, value + 4, before);
+        follows = !empty;
+    }
+    if (steps > 0) {
+        ours.speed = std::sqrt(square / static_cast<double>(steps));
+        ours.speed_error = std::sqrt(off_square / static_cast<double>(steps));
     }
     ours.samples_missing += cell.track.size() - i;
 }
@@ -68,7 +90,7 @@ void say_once(const std::string& what) {
 
 }  // namespace
 
-std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay) const {
+std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay, const char* slice) const {
     if (access(path.c_str(), X_OK) != 0) {
         say_once("no program " + path);
         return {};
@@ -77,8 +99,9 @@ std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay) const {
     const std::string stream = folder + "/ours.flr", csv = folder + "/ours.csv";
     const bool position = cell.track.channel == Channel::position;
     char limits[128];
-    std::snprintf(limits, sizeof limits, " --tol-pos %.9g --tol-rot %.9g --max-delay %zu ",
-                  position ? cell.tolerance : 0.001, position ? 0.01 : cell.tolerance, delay);
+    std::snprintf(
+        limits, sizeof limits, " --tol-pos %.9g --tol-rot %.9g --max-delay %zu --slice %s ",
+        position ? cell.tolerance : 0.001, position ? 0.01 : cell.tolerance, delay, slice);
     const auto json = output_of(quoted(path) + " reduce " + quoted(in) + limits + "--channel " +
                                 to_string(cell.track.channel) + " --out " + quoted(stream) +
                                 " --json " + extra_arguments);

@@ -94,15 +94,43 @@ std::string bound_name(std::size_t bound) {
     return bound < delays.size() ? text("delay %zu", delays[bound]) : "no bound";
 }
 
+/// Calls `each(slice, delay, "fairlead, slice ..., delay ...")`, small before large.
+template <class Each>
+void for_each_of_ours(Each each) {
+    for (std::size_t s = 0; s < slices.size(); ++s)
+        for (std::size_t d = 0; d < delays.size(); ++d)
+            each(s, d, text("slice %s, delay %zu", slices[s], delays[d]));
+}
+
+/// Speeds: of the samples, and by how much they are off after decoding.
+std::string speed_table(const Results& results) {
+    std::string out =
+        text("| speed error, mm/s or deg/s |%s\n|---|%s\n", column_heads, column_rule);
+    const auto line = [&](const std::string& head, std::size_t s, std::size_t d,
+                          double Ours::*which) {
+        out += row(results, head, false, [&](const CellResult& c) -> std::optional<double> {
+            if (!c.ours[s][d]) return {};
+            return *c.ours[s][d].*which *
+                   (c.channel == Channel::position ? 1e3 : 180 / 3.14159265358979323846);
+        });
+    };
+    line("samples: the speed itself", 1, 1, &Ours::speed);
+    for_each_of_ours([&](std::size_t s, std::size_t d, const std::string& name) {
+        line("fairlead, " + name, s, d, &Ours::speed_error);
+    });
+    return out + '\n';
+}
+
 std::string control_point_table(const Results& results, bool generated) {
     std::string out = text("| control points / libsisl |%s\n|---|%s\n", column_heads, column_rule);
-    for (std::size_t d = 0; d < delays.size(); ++d)
-        out += row(results, text("**fairlead, delay %zu**", delays[d]), generated,
+    for_each_of_ours([&](std::size_t s, std::size_t d, const std::string& name) {
+        out += row(results, "**fairlead, " + name + "**", generated,
                    [&](const CellResult& c) -> std::optional<double> {
                        const auto of = yardstick(c);
-                       if (!of || !c.ours[d]) return {};
-                       return static_cast<double>(c.ours[d]->control_points) / *of;
+                       if (!of || !c.ours[s][d]) return {};
+                       return static_cast<double>(c.ours[s][d]->control_points) / *of;
                    });
+    });
     std::vector<std::string> methods;
     for (const CellResult& cell : results)
         for (const KnotResult& k : cell.knots)
@@ -135,36 +163,33 @@ std::string control_point_table(const Results& results, bool generated) {
 
 std::string byte_tables(const Results& results, bool generated) {
     std::string out = text("| fairlead's bytes / |%s\n|---|%s\n", column_heads, column_rule);
-    for (std::size_t d = 0; d < delays.size(); ++d) {
-        const auto against = [&](const std::string& head, const std::string& name) {
-            out += row(results, text("%s, delay %zu", head.c_str(), delays[d]), generated,
-                       [&](const CellResult& c) -> std::optional<double> {
-                           const Tried* of = name.empty() ? best_rival(c, d) : rival(c, d, name);
-                           if (of == nullptr || !c.ours[d]) return {};
-                           return static_cast<double>(c.ours[d]->bytes) /
-                                  static_cast<double>(of->bytes);
-                       });
-        };
-        against("best rival", "");
-        against("delta + Rice", "delta + Rice");
-    }
-    std::vector<std::string> names{"**fairlead**"};
+    for (const std::string& name : {std::string{}, std::string{"delta + Rice"}})
+        for_each_of_ours([&](std::size_t s, std::size_t d, const std::string& of_ours) {
+            const std::string head = (name.empty() ? "best rival" : name) + ", " + of_ours;
+            out += row(results, head, generated, [&](const CellResult& c) -> std::optional<double> {
+                const Tried* of = name.empty() ? best_rival(c, d) : rival(c, d, name);
+                if (of == nullptr || !c.ours[s][d]) return {};
+                return static_cast<double>(c.ours[s][d]->bytes) / static_cast<double>(of->bytes);
+            });
+        });
+    std::vector<std::string> names;
     for (const CellResult& cell : results)
         for (const Tried& tried : cell.bytes[0])
             if (std::find(names.begin(), names.end(), tried.rival) == names.end())
                 names.push_back(tried.rival);
     out += text("\n| bytes a second, geometric mean (worst) |%s\n|---|%s\n", column_heads,
                 column_rule);
+    for_each_of_ours([&](std::size_t s, std::size_t d, const std::string& name) {
+        out += row(results, "**fairlead, " + name + "**", generated,
+                   [&](const CellResult& c) -> std::optional<double> {
+                       if (!c.ours[s][d]) return {};
+                       return static_cast<double>(c.ours[s][d]->bytes) / c.seconds;
+                   });
+    });
     for (std::size_t bound = 0; bound < bound_count; ++bound)
         for (const std::string& name : names) {
-            const bool us = name == names[0];
-            if (us && bound >= delays.size()) continue;
             out += row(results, name + ", " + bound_name(bound), generated,
                        [&](const CellResult& c) -> std::optional<double> {
-                           if (us) {
-                               if (!c.ours[bound]) return {};
-                               return static_cast<double>(c.ours[bound]->bytes) / c.seconds;
-                           }
                            const Tried* r = rival(c, bound, name);
                            if (r == nullptr) return {};
                            return static_cast<double>(r->bytes) / c.seconds;
@@ -177,7 +202,8 @@ std::string recording_table(const Results& results) {
     std::string out =
         "| recording, channel, tolerance | samples | libsisl | global removal | proved necessary |"
         " best rival's bytes at delay 60, 120, 240, and which at 120 |"
-        " fairlead's control points | and bytes |\n|---|---|---|---|---|---|---|---|\n";
+        " fairlead's control points, slice medium | and bytes "
+        "|\n|---|---|---|---|---|---|---|---|\n";
     for (const CellResult& c : results) {
         out += text("| %s, %s, %s | %zu | %zu |", c.name.c_str(), to_string(c.channel),
                     tolerance_name(c.channel, c.coarse).c_str(), c.samples,
@@ -190,9 +216,9 @@ std::string recording_table(const Results& results) {
             if (const Tried* best = best_rival(c, d)) out += text("%zu ", best->bytes);
         if (const Tried* best = best_rival(c, 1)) out += best->rival;
         out += " | ";
-        for (const auto& o : c.ours) out += o ? text("%zu ", o->control_points) : "- ";
+        for (const auto& o : c.ours[1]) out += o ? text("%zu ", o->control_points) : "- ";
         out += "| ";
-        for (const auto& o : c.ours) out += o ? text("%zu ", o->bytes) : "- ";
+        for (const auto& o : c.ours[1]) out += o ? text("%zu ", o->bytes) : "- ";
         out += "|\n";
     }
     return out;
@@ -202,13 +228,14 @@ std::string guarantee_line(const Results& results) {
     double error = 0, delay_share = 0;
     std::size_t missing = 0, runs = 0;
     for (const CellResult& c : results)
-        for (std::size_t d = 0; d < delays.size(); ++d)
-            if (const auto& o = c.ours[d]) {
-                error = std::max(error, o->error);
-                delay_share = std::max(delay_share, o->max_delay / static_cast<double>(delays[d]));
-                missing += o->samples_missing;
-                ++runs;
-            }
+        for_each_of_ours([&](std::size_t s, std::size_t d, const std::string&) {
+            const auto& o = c.ours[s][d];
+            if (!o) return;
+            error = std::max(error, o->error);
+            delay_share = std::max(delay_share, o->max_delay / static_cast<double>(delays[d]));
+            missing += o->samples_missing;
+            ++runs;
+        });
     if (runs == 0) return "fairlead's reducer was not run.\n\n";
     return text(
         "fairlead over %zu runs: largest decoded error %.4f of the tolerance, %zu samples "
@@ -222,6 +249,7 @@ std::string to_markdown(const Results& results) {
     std::string out = guarantee_line(results);
     out += "### Recordings: control points\n\n" + control_point_table(results, false);
     out += "### Recordings: bytes\n\n" + byte_tables(results, false);
+    out += "### Recordings: speed\n\n" + speed_table(results);
     const bool any = std::any_of(results.begin(), results.end(),
                                  [](const CellResult& c) { return c.generated; });
     if (any) {
@@ -253,14 +281,15 @@ std::string to_json(const Results& results) {
                             c.bytes[b][r].setting.c_str());
             out += '}';
         }
-        for (std::size_t d = 0; d < delays.size(); ++d)
-            if (const auto& o = c.ours[d])
+        for_each_of_ours([&](std::size_t s, std::size_t d, const std::string& name) {
+            if (const auto& o = c.ours[s][d])
                 out += text(
-                    ",\n \"fairlead delay %zu\": {\"control_points\": %zu, \"bytes\": %zu, "
+                    ",\n \"fairlead, %s\": {\"control_points\": %zu, \"bytes\": %zu, "
                     "\"error\": %.6f, \"missing\": %zu, \"max_delay\": %g, \"mean_delay\": "
-                    "%g}",
-                    delays[d], o->control_points, o->bytes, o->error, o->samples_missing,
-                    o->max_delay, o->mean_delay);
+                    "%g, \"speed\": %.6g, \"speed_error\": %.6g}",
+                    name.c_str(), o->control_points, o->bytes, o->error, o->samples_missing,
+                    o->max_delay, o->mean_delay, o->speed, o->speed_error);
+        });
         out += '}';
     }
     return out + "\n]\n";
