@@ -8,6 +8,7 @@
 struct Config : fairlead::PipelineConfig {
     using Filter = fairlead::PoseFilter<9>;    // centred: 4 records late
     static constexpr std::size_t window = 32;  // records that a reducer can hold
+    static constexpr std::size_t events = 0;   // a tracker without buttons
 
     static fairlead::Pipeline<Config>::Params params() {
         fairlead::EncoderParams encoder;

@@ -267,6 +267,29 @@ TEST(Events, ASourceThatMissedSomeSaysSo) {
     EXPECT_EQ(heard.counters.lost, 0u);
 }
 
+struct NoEvents : Config {
+    static constexpr std::size_t events = 0;
+};
+
+TEST(Events, APipelineWithoutThemSendsTheSameCurves) {
+    Pipeline<Config>::Params params;
+    params.encoder.delay_max = 30;
+    const auto with = std::make_unique<Pipeline<Config>>(params);
+    const auto without = std::make_unique<Pipeline<NoEvents>>(
+        Pipeline<NoEvents>::Params{params.intake, params.filter, params.encoder});
+    std::vector<std::uint8_t> a, b;
+    for (std::int64_t i = 0; i < 400; ++i) {
+        ASSERT_FALSE(without->push_event({i, 1, 1, 0}));
+        append(a, with->push(swing(i)));
+        append(b, without->push(swing(i)));
+    }
+    EXPECT_EQ(without->encoder().refused_events(), 400u);
+    EXPECT_TRUE(without->idle().empty());
+    EXPECT_GT(a.size(), 100u);
+    EXPECT_EQ(a, b);
+    EXPECT_LT(sizeof *without + 500, sizeof *with);
+}
+
 TEST(Events, TheLargestFrameFits) {
     std::mt19937_64 random{3};
     for (int trial = 0; trial < 200; ++trial) {

@@ -27,7 +27,7 @@ struct PipelineConfig {
     using Filter = NoFilter;
     static constexpr std::size_t window = 64;      // ring capacity of the reducers, in records
     static constexpr Credit slice = slice_medium;  // search per push and channel: wire/encoder.hpp
-    static constexpr std::size_t events = 8;       // discrete events that may wait for a record
+    static constexpr std::size_t events = 8;       // discrete events that may wait; 0: has none
 };
 
 template <class Config>

@@ -93,7 +93,8 @@ bool event_item(Io& io, EventItem& item, EventTrace& trace) noexcept {
 }  // namespace wire
 
 /// The sending side: a queue of N events, and the newest one of up to N channels. What is accepted
-/// is sent; what does not fit is refused, counted, and missing in the numbers. Memory: sizeof.
+/// is sent; what does not fit is refused, counted, and missing in the numbers. Memory: sizeof. N may
+/// be 0.
 template <std::size_t N>
 class EventSender {
     static_assert(N > 0 && 2 * N <= wire::max_events, "a frame holds all events of the sender");
@@ -186,6 +187,25 @@ class EventSender {
     std::uint32_t waited_{0};
     std::uint32_t refused_{0};
     bool repeat_{false};
+};
+
+/// A sender without events: takes none, and next to no memory.
+template <>
+class EventSender<0> {
+  public:
+    static constexpr std::size_t frame_size_max = 0;
+
+    bool push(const Event&) noexcept {
+        ++refused_;
+        return false;
+    }
+    static void repeat() noexcept {}
+    static std::size_t frame(std::uint8_t*, std::uint32_t) noexcept { return 0; }
+    static bool empty() noexcept { return true; }
+    std::uint32_t refused() const noexcept { return refused_; }
+
+  private:
+    std::uint32_t refused_{0};
 };
 
 /// The reading side: the events of a frame that are new, in the order in which they were offered.
