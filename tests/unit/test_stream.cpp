@@ -155,7 +155,7 @@ double angle(const Quat& a, const Quat& b) {
 }  // namespace
 
 TEST(Stream, KeepsEverySampleWithinToleranceAndInTime) {
-    for (unsigned seed = 1; seed <= 200; ++seed) {
+    for (unsigned seed = 1; seed <= 1000; ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         std::minstd_rand random{seed * 77};
         EncoderParams params;

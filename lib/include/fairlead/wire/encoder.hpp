@@ -76,7 +76,8 @@ class Encoder {
         const bool closing = position_.closing() || orientation_.closing() || restart_due(lead_ns);
         position_.allot(slice_, closing);
         orientation_.allot(slice_, closing);
-        for (std::size_t i = 0; i < max_frames; ++i) {  // more than one only where a curve starts
+        // rarely more than one: where a curve starts, or knots crowd before a sample that is due
+        for (std::size_t i = 0; i < frames_max && room(); ++i) {
             if (!position_.due() && !orientation_.due() && !restart_due()) break;
             frame();
         }
@@ -115,7 +116,7 @@ class Encoder {
     std::uint32_t frames() const noexcept { return sequence_; }
     std::uint32_t refused_events() const noexcept { return events_.refused(); }
 
-    static constexpr std::size_t max_frames = 2;  // a push completes at most
+    static constexpr std::size_t frames_max = 8;  // a push completes at most; two always fit
 
   private:
     static constexpr std::int64_t restart_slack = 16;  // a part of the interval
@@ -147,6 +148,11 @@ class Encoder {
     bool restart_due(std::int64_t soon_ns = 0) const noexcept {
         return !restart_wanted_ &&
                now_ns_ - last_restart_ns_ >= params_.restart_interval_ns - soon_ns;
+    }
+
+    /// Is there room for one more frame of any size, and for the events?
+    bool room() const noexcept {
+        return size_ + wire::max_frame + EventSender<Events>::frame_size_max <= out_.size();
     }
 
     void let_out_events(std::uint32_t hold) noexcept {
@@ -210,8 +216,7 @@ class Encoder {
     wire::Link<OrientationChannel> orientation_link_{};
     wire::Header header_{};
     EventSender<Events> events_{};
-    std::array<std::uint8_t, max_frames * wire::max_frame + EventSender<Events>::frame_size_max>
-        out_{};
+    std::array<std::uint8_t, 2 * wire::max_frame + EventSender<Events>::frame_size_max> out_{};
     std::size_t size_{0};
     std::uint32_t sequence_{0};
     std::int64_t now_ns_{0}, epoch_ns_{0}, last_restart_ns_{0};
