@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/convert.hpp"
 #include "fairlead/base/each.hpp"
 #include "fairlead/math/approx.hpp"
 
@@ -113,7 +114,7 @@ struct Polynomial {
 
 /// Ticks from the knot to t, as both ends of the wire compute them.
 inline float ticks_between(std::int64_t t0_ns, std::int64_t t_ns, std::uint32_t tick_ns) noexcept {
-    return static_cast<float>(t_ns - t0_ns) / static_cast<float>(tick_ns);
+    return to_float(t_ns - t0_ns) / static_cast<float>(tick_ns);
 }
 
 /// The state of the curve at a later knot, before its jump: C^(Order-2) to the last place.
