@@ -12,6 +12,7 @@ from measure import Core, read_report, read_words
 
 KINDS = "rest line walk noise zigzag flip gap jitter tiny huge wild".split()
 RECORDS_MAX, BATCH, PARENTS = 300, 24, 8
+NEWCOMERS = 4  # one of so many has no parent, so that a pool of cousins is not the end
 
 
 class Recipe:
@@ -39,6 +40,10 @@ def random_segment(dice):
     return (dice.choice(KINDS), 1 + size(8), size(16), size(23), 1 + size(6))
 
 
+def random_recipe(dice):
+    return Recipe(1 + dice.randrange(1 << 30), 120, [random_segment(dice) for _ in range(1 + dice.randrange(6))])
+
+
 def changed_number(dice, value, low):
     way = dice.randrange(4)
     new = (value * 2, value // 2, value + dice.randrange(-3, 4), dice.randrange(1 << dice.randrange(1, 23)))[way]
@@ -46,7 +51,7 @@ def changed_number(dice, value, low):
 
 
 def mutated(dice, parents):
-    parent = dice.choice(parents)
+    parent = random_recipe(dice) if dice.randrange(NEWCOMERS) == 0 else dice.choice(parents)
     seed, rate_hz, segments = parent.seed, parent.rate_hz, list(parent.segments)
     for _ in range(1 + dice.randrange(3)):
         way, at = dice.randrange(7), dice.randrange(len(segments))

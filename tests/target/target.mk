@@ -117,7 +117,7 @@ $(SEARCHES): search-%: $(BUILD)/m4f/%.result $(BUILD)/count.so
 .PHONY: user always recordings search
 always:
 trap: $(BUILD)/m4f/planted.elf $(BUILD)/count.so
-	tests/target/search.py --build $(BUILD) --core m4f planted --must-reach 6000
+	tests/target/search.py --build $(BUILD) --core m4f planted --must-reach 6000 $(if $(SEED),--seed $(SEED)) $(if $(TRIES),--budget $(TRIES))
 same-bits: measure
 	tests/target/compare.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES)
 images: $(foreach core,$(CORES),$(SUBJECTS:%=$(BUILD)/$(core)/%.elf))
