@@ -160,7 +160,7 @@ $(BUILD)/firmware-motion: $(call objects,tests/gateway/firmware/motion.cpp) $(BU
 .PHONY: gateway-firmware gateway-sanitize
 gateway-firmware: setup-gateway setup-target ## the firmware image under QEMU, its UART into the gateway, a client rebuilds
 	@$(MAKE) BUILD=$(BUILD) $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll $(BUILD)/firmware-motion
-	@$(TARGET) BUILD=$(BUILD)/target $(BUILD)/target/firmware/firmware.elf
+	+@$(TARGET) BUILD=$(BUILD)/target $(BUILD)/target/firmware/firmware.elf
 	@tests/gateway/firmware/run.py $(BUILD)
 gateway-sanitize: setup-clang setup-gateway setup-test ## the gateway's tests and a hostile minute under ASan with UBSan, and under TSan
 	@set -e; export TSAN_OPTIONS=halt_on_error=1; for what in address,undefined thread; do b=build/sanitize-$${what%%,*}; \

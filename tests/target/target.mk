@@ -67,9 +67,9 @@ $(FIRMWARE)/firmware.elf: $(wildcard examples/firmware/* port/cortex_m/*) $(shel
 	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
 		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=256K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=64K \
 		examples/firmware/main.cpp examples/firmware/board_mps2.cpp port/cortex_m/startup.cpp -o $@
-$(FIRMWARE)/check_frames: $(wildcard examples/firmware/*) $(shell find lib -name '*.hpp')
+$(FIRMWARE)/check_frames: $(wildcard examples/firmware/* host_sim/curve_store.*) $(shell find lib -name '*.hpp')
 	@mkdir -p $(@D)
-	g++ $(COMMON) -O2 examples/firmware/check_frames.cpp -o $@
+	g++ $(COMMON) -O2 examples/firmware/check_frames.cpp host_sim/curve_store.cpp -o $@
 .PHONY: firmware firmware-run
 firmware: $(FIRMWARE)/firmware.elf
 	tests/target/size.py --readme examples/firmware/README.md $(if $(ACCEPT),--accept) $<
