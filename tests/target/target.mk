@@ -62,11 +62,17 @@ $(foreach core,$(CORES),$(eval $(call row,$(shell grep -E '^$(core) ' port/corte
 # ---- the firmware of examples/firmware, and what a host makes of its frames
 FIRMWARE := $(BUILD)/firmware
 FIRMWARE_FLAGS = $(wordlist 7,99,$(shell grep '^m4f ' port/cortex_m/cores)) $(COMMON) $(DEVICE) -Os -DNDEBUG
-$(FIRMWARE)/firmware.elf: $(wildcard examples/firmware/* port/cortex_m/*) $(shell find lib -name '*.hpp')
+FIRMWARE_HEADERS := $(wildcard examples/firmware/*.hpp port/cortex_m/*.hpp) $(shell find lib -name '*.hpp')
+# optimised as a whole, but for the start-up, which calls main() like anything else
+$(FIRMWARE)/%.o: examples/firmware/%.cpp $(FIRMWARE_HEADERS)
 	@mkdir -p $(@D)
-	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
-		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=256K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=64K \
-		examples/firmware/main.cpp examples/firmware/board_mps2.cpp port/cortex_m/startup.cpp -o $@
+	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto -c $< -o $@
+$(FIRMWARE)/%.o: port/cortex_m/%.cpp $(FIRMWARE_HEADERS)
+	@mkdir -p $(@D)
+	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -c $< -o $@
+$(FIRMWARE)/firmware.elf: $(addprefix $(FIRMWARE)/,main.o board_mps2.o startup.o) port/cortex_m/memory.ld
+	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto=auto -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
+		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=256K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=64K $(filter %.o,$^) -o $@
 $(FIRMWARE)/check_frames: $(wildcard examples/firmware/* host_sim/curve_store.*) $(shell find lib -name '*.hpp')
 	@mkdir -p $(@D)
 	g++ $(COMMON) -O2 examples/firmware/check_frames.cpp host_sim/curve_store.cpp -o $@
