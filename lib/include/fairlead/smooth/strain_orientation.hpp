@@ -14,7 +14,7 @@
 // information form: nothing cancels in float32 (smooth/strain_position.hpp). The data term's
 // Jacobian is taken as the identity; the gradient stays exact, since it leaves d_i in place, and
 // the steps stay good to |d|^2 / 12. A step that does not lower F is halved, at most three times,
-// and then not taken.
+// and then not taken; one below blind_rad is taken anyway.
 //
 // Cost of a step and sample: about 500 flops, two logs, one exp. In: neighbours closer than pi.
 #include <cstddef>
@@ -102,7 +102,7 @@ class StrainOrientation {
             for (int halving = 0; halving < 4 && !taken; ++halving, part /= 2) {
                 try_step(at, n, part, prior);
                 const Real trial = cost_of(at, n, lambda, prior);
-                taken = trial <= cost + cost * rounding;
+                taken = trial <= cost + cost * rounding || small(at, n, part);
                 if (taken) cost = trial;
             }
             if (!taken) {
@@ -127,6 +127,16 @@ class StrainOrientation {
 
   private:
     static constexpr Real rounding = static_cast<Real>(2e-6);  // of a cost: no loss is seen below
+    static constexpr Real blind_rad = static_cast<Real>(1e-3);
+
+    /// Is the step one that needs no proof? So near the minimum it is good to parts in a million,
+    /// and what it gains may drown in the rounding of a cost that happened to come out low.
+    template <class At>
+    static bool small(const At& at, std::size_t n, Real part) noexcept {
+        for (std::size_t i = 0; i < n; ++i)
+            if (dot(at(i).turn, at(i).turn) * part * part > blind_rad * blind_rad) return false;
+        return true;
+    }
 
     static V rate_of(const Q& from, const Q& to, Real step) noexcept {
         return (1 / step) * rotation_vector(conj(from) * to);
