@@ -8,6 +8,7 @@
 
 #include "host_sim/baselines/knots/certificate.hpp"
 #include "host_sim/bench_peers/report.hpp"
+#include "host_sim/bench_peers/rotations.hpp"
 
 namespace {
 
@@ -107,11 +108,16 @@ void run(const Options& options) {
     Cache cache{options.folder + "/rivals.cache"};
     SweepSummary sweeps;
     std::vector<CellResult> results;
+    std::vector<RotationResult> turned;
     for_each_cell(options.recordings, options.folder + "/cut", options.only, [&](const Cell& cell) {
         std::fprintf(stderr, "%s\n", cell.label().c_str());
         results.push_back(measure(cell, options, cache, sweeps));
+        if (cell.track.channel == Channel::position || cell.generated || options.rivals_only)
+            return;
+        const Program program{options.program, options.folder, options.reduce_arguments};
+        if (const auto result = in_other_frames(cell, program)) turned.push_back(*result);
     });
-    const std::string tables = to_markdown(results);
+    const std::string tables = to_markdown(results) + to_markdown(turned);
     std::printf("%s", tables.c_str());
     write_bytes(options.folder + "/peers.json", to_json(results));
     if (!options.page.empty())
