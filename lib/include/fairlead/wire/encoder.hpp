@@ -161,29 +161,49 @@ class Encoder {
 
     /// One frame with what both channels can make final.
     void frame() noexcept {
-        BitWriter io{out_.data() + size_ + 2, wire::max_payload};
+        const auto position = position_.take();
+        const auto orientation = orientation_.take();
         // rather a little early than with one more frame
-        const bool restart =
-            restart_wanted_ || restart_due(params_.restart_interval_ns / restart_slack);
+        if (restart_wanted_ || restart_due(params_.restart_interval_ns / restart_slack)) {
+            restart_wanted_ = !write(true, position, orientation);  // no room: with the next
+            if (!restart_wanted_) return;
+        }
+        const bool fits = write(false, position, orientation);  // always (test_layout.cpp)
+        FAIRLEAD_ASSERT(fits);
+        static_cast<void>(fits);
+    }
+
+    /// @return false where there is no room for it; then nothing has changed.
+    bool write(bool restart, const typename PositionReducer::Frozen& position,
+               const typename OrientationReducer::Frozen& orientation) noexcept {
+        BitWriter io{out_.data() + size_ + 2, wire::max_payload};
+        const auto position_before = position_link_;
+        const auto orientation_before = orientation_link_;
+        const auto header_before = header_;
         if (restart) {
             header_ = {sequence_, params_.tick_ns,
                        epoch_ns_ + (now_ns_ - epoch_ns_) / params_.tick_ns * params_.tick_ns};
             wire::header(io, header_);
             wire::state(io, position_link_, header_.base_ns, params_.tick_ns);
             wire::state(io, orientation_link_, header_.base_ns, params_.tick_ns);
-            restart_wanted_ = false;
-            last_restart_ns_ = now_ns_;
-            events_.repeat();
         }
-        put(io, position_, position_link_);
-        put(io, orientation_, orientation_link_);
-        FAIRLEAD_ASSERT(io.ok());
+        put(io, position, position_link_);
+        put(io, orientation, orientation_link_);
+        if (!io.ok()) {
+            position_link_ = position_before;
+            orientation_link_ = orientation_before;
+            header_ = header_before;
+            return false;
+        }
         seal(restart, io.size());
+        if (!restart) return true;
+        last_restart_ns_ = now_ns_;
+        events_.repeat();
+        return true;
     }
 
-    template <class Reduction, class Channel>
-    void put(BitWriter& io, Reduction& reduction, wire::Link<Channel>& link) noexcept {
-        typename Reduction::Frozen batch = reduction.take();
+    template <class Frozen, class Channel>
+    void put(BitWriter& io, Frozen batch, wire::Link<Channel>& link) noexcept {
         wire::content(io, link, batch, header_.base_ns, params_.tick_ns);
         wire::follow_start(link, batch);
         for (std::size_t i = 0; i < batch.size; ++i)

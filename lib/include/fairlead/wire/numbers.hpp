@@ -53,7 +53,7 @@ void near(Io& io, std::uint32_t& v, std::uint32_t expected, unsigned k) noexcept
     v = expected + static_cast<std::uint32_t>(unzigzag(z));
 }
 
-/// A row of signed numbers of one common width, at most 31 bits, which is likely to be `usual`.
+/// A row of signed numbers of one common width, which is likely to be `usual`.
 /// @return the width.
 template <class Io, std::size_t D>
 std::uint32_t row(Io& io, std::array<std::int32_t, D>& values, std::uint32_t usual) noexcept {
@@ -64,7 +64,7 @@ std::uint32_t row(Io& io, std::array<std::int32_t, D>& values, std::uint32_t usu
             width = w > width ? w : width;
         }
     near(io, width, usual, 1);
-    width &= 31u;
+    if (width > 32) width = 32;
     for (auto& v : values) {
         std::uint32_t z = zigzag(v);
         io.bits(z, width);
