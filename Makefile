@@ -229,7 +229,7 @@ headers: $(patsubst lib/include/%.hpp,$(BUILD)/headers/%.ok,$(LIB_HEADERS))
 test-clang: setup-clang ## the same tests, built with clang++
 	@$(MAKE) test BUILD=build/clang CXX=clang++
 test-sanitize: setup-clang ## the same tests under AddressSanitizer and UBSan
-	@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-fsanitize=address,undefined -fno-sanitize-recover=all'
+	@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-D_GLIBCXX_ASSERTIONS -fsanitize=address,undefined -fno-sanitize-recover=all'
 
 .PHONY: format format-check tidy
 format: setup-lint ## rewrite the sources in the project's format

@@ -190,7 +190,7 @@ TEST(Decoder, UndamagedFramesComeWithTheirLastByte) {
     for (const std::size_t at : frames.curves) begins[at] = true;
     for (const std::size_t at : frames.events) begins[at] = true;
     ASSERT_GT(frames.events.size(), 5u);
-    ASSERT_GT(frames.curves.size(), 50u);
+    ASSERT_GT(frames.curves.size(), 20u);
     const auto decoder = std::make_unique<Decoder>();
     for (std::size_t i = 0; i < bytes.size(); ++i) {
         const bool due = begins.count(i + 1) > 0 || i + 1 == bytes.size();

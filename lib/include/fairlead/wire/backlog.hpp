@@ -68,8 +68,10 @@ class Backlog {
         end_ -= by;
     }
 
-    std::array<std::uint8_t, live_max + spare> bytes_{};
-    std::array<std::uint16_t, (live_max + spare) / stride> prefix_{};
+    static constexpr std::size_t capacity = live_max + spare;
+
+    std::array<std::uint8_t, capacity> bytes_{};
+    std::array<std::uint16_t, (capacity + stride - 1) / stride> prefix_{};
     std::size_t front_{0}, end_{0};
     std::uint16_t crc_{0};  // of all bytes
 };
