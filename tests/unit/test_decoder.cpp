@@ -31,7 +31,7 @@ Bytes8 stream(unsigned seed) {
     const auto pipeline = std::make_unique<Pipeline<Config>>(params);
     Bytes8 out;
     const auto append = [&out](const Bytes& b) { out.insert(out.end(), b.data, b.data + b.size); };
-    for (std::int64_t i = 0; i < 500; ++i) {
+    for (std::int64_t i = 0; i < 700; ++i) {
         Pose pose;
         pose.t_ns = i * 8'333'333;
         const double x = 0.05 * static_cast<double>(i);
