@@ -203,10 +203,11 @@ class Image:
         """Addresses that were loaded shortly before a computed jump."""
         before = body[max(0, n - 10):n]
         bases = [int(w[1], 16) for i in before for w in [re.match(r"([0-9a-f]+) <", i.comment)] if w]
-        # RISC-V: the upper part alone, where the lower is zero
-        bases += [i.address + (int(w[1], 16) << 12) & 0xFFFFFFFF for i in before if i.name == "auipc"
-                  for w in [re.search(r",(0x[0-9a-f]+)", i.text)] if w]
-        return [v for v in self.literals(body)[body[n].address].values() if isinstance(v, int) and v > 0] + bases[::-1]
+        # RISC-V: the upper part alone, where the lower is zero; last, for it may fall into the table of a lower one
+        upper = [i.address + (int(w[1], 16) << 12) & 0xFFFFFFFF for i in before if i.name == "auipc"
+                 for w in [re.search(r",(0x[0-9a-f]+)", i.text)] if w]
+        known = [v for v in self.literals(body)[body[n].address].values() if isinstance(v, int) and v > 0]
+        return known + bases[::-1] + upper[::-1]
 
     def offsets(self, body, base, origin):
         """Targets in the body that words from base on name, counted from origin."""
