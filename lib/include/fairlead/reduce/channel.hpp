@@ -61,8 +61,7 @@ struct VectorChannel {
 
     /// Tests samples against a curve; made once from the tolerance.
     struct Judge {
-        static constexpr float square_bound =
-            static_cast<float>(D);  // |e|^2 over the worst component's
+        static constexpr std::size_t parts = D;  // each component is judged on its own
 
         std::array<float, D> limit{};      // signal units, a rounding margin below the tolerance
         std::array<float, D> per_limit{};  // 1 / tolerance in curve units
@@ -102,6 +101,16 @@ struct VectorChannel {
             for (std::size_t d = 0; d < D; ++d) out[d] = b[d] + change[d] * limit[d];
             return out;
         }
+
+        /// The error of component d alone: for planning.
+        struct Part {
+            std::size_t d;
+            float unit, limit;
+            float operator()(const std::array<float, 1>& y, const Value& v) const noexcept {
+                return approx::abs(y[0] - v[d] * unit) * limit;
+            }
+        };
+        Part part(std::size_t d) const noexcept { return {d, per_unit[d], per_limit[d]}; }
 
         /// Error of curve coordinates y at coordinates x, 1 at the tolerance: for planning.
         float error(const std::array<float, D>& y, const std::array<float, D>& x) const noexcept {
@@ -159,7 +168,7 @@ struct OrientationChannel {
     static constexpr std::size_t model(std::size_t d) noexcept { return d == 0 ? 1 : 0; }
 
     struct Judge {
-        static constexpr float square_bound = 1;
+        static constexpr std::size_t parts = 1;  // all components are judged together
 
         float chord2{};      // largest squared chord on S^3, a rounding margin below the tolerance
         float per_chord{};   // 1 / chord at the tolerance
@@ -189,6 +198,14 @@ struct OrientationChannel {
                         z = decoded.z - q.z;
             return w * w + x * x + y * y + z * z <= chord2;
         }
+
+        struct Part {
+            const Judge& judge;
+            float operator()(const Vector& y, const Quat& q) const noexcept {
+                return judge.error(y, judge.coordinates(q));
+            }
+        };
+        Part part(std::size_t) const noexcept { return {*this}; }
 
         float error(const Vector& y, const Vector& x) const noexcept {
             const float square = y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3];

@@ -5,7 +5,9 @@
 // Its B-splines have the first Order - 1 control points given (the blossom of the polynomial that
 // is continued), which turns the ill-conditioned problem of jumps into a banded system that float
 // solves. Errors are those of the polynomials that would be frozen, at every sample. Weights after
-// Lawson: multiplied by the error, so that the fit leans towards the smallest largest error.
+// Lawson: multiplied by the error, so that the fit leans towards the smallest largest error. What
+// is judged apart is weighted apart: a vector is fitted as a whole first, then those of its
+// components that miss their tolerance, one by one.
 // A fit may be interrupted after any sample and any row; what it has used up is counted in
 // instructions of a Cortex-M4F, about. RAM: sizeof; no loop runs further than window and knots.
 #include <array>
@@ -31,6 +33,9 @@ class Fit {
     using Walk = PlanWalk<Channel, MaxKnots>;
     using Ahead = Future<Channel, Horizons>;
     using Vector = std::array<float, D>;
+    // what is judged on its own: every component, or all together
+    static constexpr std::size_t parts = Channel::Judge::parts, Width = D / parts;
+    using Part = std::array<float, Width>;
 
     struct Problem {
         Samples& samples;   // weights and errors are noted there
@@ -39,6 +44,7 @@ class Fit {
         const Polynomial<D, Order>& frozen;
         const typename Channel::Judge& judge;
         bool free;  // nothing is frozen yet: the fit may leave `frozen` from u = 0 on
+        std::size_t wanted;  // a plan that serves more samples than these is of use, though it fails
     };
 
     bool busy() const noexcept { return phase_ != Phase::done; }
@@ -55,19 +61,17 @@ class Fit {
         open(problem, head, passes, limit, plan);
         if (fixed_ != 0 && plan.size == head) {
             passes_ = 0;
-            return start_check(plan);
+            return start_check(problem, plan);
         }
         lay_knots(problem, plan);
-        scale_ = 0;
-        future_ = 1;
         start_pass();
     }
 
     /// Begins to test a plan as it stands.
     void start_test(const Problem& problem, float limit, KnotPlan& plan) noexcept {
         open(problem, 0, 0, limit, plan);
-        if (problem.free) walk_.p.c = plan.start;
-        start_check(plan);
+        if (problem.free) base_.p.c = plan.start;
+        start_check(problem, plan);
     }
 
     /// Goes on with what was begun, until it is done or the credit is used up.
@@ -76,7 +80,7 @@ class Fit {
             switch (phase_) {
                 case Phase::assemble: assemble(problem, credit); break;
                 case Phase::factor: factor(credit); break;
-                case Phase::substitute: substitute(plan, credit); break;
+                case Phase::substitute: substitute(problem, plan, credit); break;
                 case Phase::check: check(problem, plan, credit); break;
                 case Phase::done: break;
             }
@@ -85,15 +89,16 @@ class Fit {
 
     /// The first n samples left the window.
     void drop(std::size_t n) noexcept {
-        for (std::size_t* i : {&count_, &first_, &cursor_}) *i -= n < *i ? n : *i;
+        for (std::size_t* i : {&count_, &first_, &cursor_, &covers_, &worst_at_})
+            *i -= n < *i ? n : *i;
         if (count_ == 0) cancel();
     }
 
     // what a portion costs, in instructions of a Cortex-M4F, about
-    static constexpr Credit visit_cost = 70 + 25 * D, test_cost = 35 + 33 * D,
-                            span_cost = 500 + 60 * D, interval_cost = 150 + 50 * D,
-                            row_cost = 150 + 50 * D, pass_cost = 60 + 40 * D,
-                            start_cost = 800 + 100 * D;
+    static constexpr Credit visit_cost = 70 + 25 * D, lone_visit_cost = 70 + 25 * Width,
+                            test_cost = 35 + 33 * Width, span_cost = 500 + 60 * D,
+                            interval_cost = 100 + 50 * Width, row_cost = 150 + 50 * D,
+                            pass_cost = 60 + 40 * D, start_cost = 800 + 100 * D;
 
   private:
     static constexpr float unrepresentable = 10;  // stands for the error of such a polynomial
@@ -109,14 +114,26 @@ class Fit {
         limit_ = limit;
         count_ = problem.count;
         pass_ = 0;
-        best_ = 1e30f;
         succeeded_ = false;
-        walk_ = Walk{problem.frozen, problem.free && head > 0, plan};
-        for (std::size_t q = 0; q < head; ++q) walk_.pass_knot(plan);
-        base_ = walk_;
-        first_ = 0;
-        if (head > 0)
-            while (first_ < count_ && problem.samples[first_].u <= base_.origin) ++first_;
+        lone_ = false;
+        scale_ = 0;
+        future_ = 1;
+        base_ = Walk{problem.frozen, problem.free && head > 0, plan};
+        for (std::size_t q = 0; q < head; ++q) base_.pass_knot(plan);
+        first_ = head > 0 ? samples_until(problem, base_.origin) : 0;
+    }
+
+    /// How many leading samples stand at or before u, by halving.
+    std::size_t samples_until(const Problem& problem, float u) const noexcept {
+        std::size_t low = 0, high = count_;
+        while (low < high) {
+            const std::size_t middle = (low + high) / 2;
+            if (problem.samples[middle].u <= u)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        return low;
     }
 
     // ---- the system
@@ -172,6 +189,10 @@ class Fit {
         phase_ = Phase::assemble;
     }
 
+    /// The components that are being solved for.
+    std::size_t low() const noexcept { return lone_ ? part_ * Width : 0; }
+    std::size_t high() const noexcept { return lone_ ? (part_ + 1) * Width : D; }
+
     /// B-splines of the interval t_[span_] <= u < t_[span_ + 1] as polynomials in
     /// s = (u - t_[span_]) / length (Cox, de Boor).
     struct Basis {
@@ -207,14 +228,16 @@ class Fit {
         return out;
     }
 
-    /// Sums over samples of one interval.
+    /// Sums over samples of one interval, with W right sides.
+    template <std::size_t W>
     struct Sums {
         std::array<float, Pairs> a{};
-        std::array<Vector, Order> r{};
+        std::array<std::array<float, W>, Order> r{};
     };
 
-    [[gnu::always_inline]] static void add(Sums& sums, const Basis& basis, float u, float weight,
-                                           const Vector& x) noexcept {
+    template <std::size_t W>
+    [[gnu::always_inline]] static void add(Sums<W>& sums, const Basis& basis, float u, float weight,
+                                           const std::array<float, W>& x) noexcept {
         const float s = (u - basis.begin) * basis.per_length;
         std::array<float, Order> b;
         each<Order>([&](auto i) {
@@ -225,69 +248,83 @@ class Fit {
             const float wb = weight * b[i];
             constexpr std::size_t row = i * (2 * Order + 1 - i) / 2;
             each<Order - i>([&](auto k) { sums.a[row + k] += wb * b[i + k]; });
-            each<D>([&](auto d) { sums.r[i][d] += wb * x[d]; });
+            each<W>([&](auto d) { sums.r[i][d] += wb * x[d]; });
         });
     }
 
     /// Puts the sums of an interval into the band; given control points go to the right side.
-    void gather(const Sums& sums) noexcept {
-        const std::size_t base = span_ + 1 - Order;
+    template <std::size_t W>
+    void gather(const Sums<W>& sums) noexcept {
+        const std::size_t base = span_ + 1 - Order, from = W == D ? 0 : part_ * Width;
         std::size_t pair = 0;
         for (std::size_t i = 0; i < Order; ++i) {
             const bool given = base + i < fixed_;
             for (std::size_t k = i; k < Order; ++k, ++pair) {
                 if (base + k < fixed_) continue;
                 if (given)
-                    for (std::size_t d = 0; d < D; ++d)
+                    for (std::size_t d = from; d < from + W; ++d)
                         c_[base + k][d] -= sums.a[pair] * given_[base + i][d];
                 else
                     a_[base + i - fixed_][k - i] += sums.a[pair];
             }
             if (!given)
-                for (std::size_t d = 0; d < D; ++d) c_[base + i][d] += sums.r[i][d];
+                for (std::size_t d = 0; d < W; ++d) c_[base + i][from + d] += sums.r[i][d];
         }
     }
 
-    Vector coordinates(const Problem& problem,
-                       const typename Channel::Value& value) const noexcept {
-        Vector x = problem.judge.coordinates(value);
-        each<D>([&](auto d) { x[d] -= anchor_[d]; });
-        return x;
+    /// Of a value, what is being solved for, from the anchor.
+    template <std::size_t W>
+    std::array<float, W> wanted_part(const Vector& x) const noexcept {
+        const std::size_t from = W == D ? 0 : part_ * Width;
+        std::array<float, W> out;
+        each<W>([&](auto d) { out[d] = x[from + d] - anchor_[from + d]; });
+        return out;
     }
 
     void assemble(const Problem& problem, Credit& credit) noexcept {
+        if constexpr (parts > 1)
+            if (lone_) return assemble<Width>(problem, credit, lone_visit_cost);
+        assemble<D>(problem, credit, visit_cost);
+    }
+
+    template <std::size_t W>
+    void assemble(const Problem& problem, Credit& credit, Credit visit) noexcept {
         const std::size_t last = interior_ + Order - 1;
         while (credit > 0) {
             const Basis b = basis();
-            Sums sums;
+            Sums<W> sums;
             const float end = span_ < last ? t_[span_ + 1] : 1e30f;
             for (; cursor_ < count_ && credit > 0; ++cursor_) {
                 auto& sample = problem.samples[cursor_];
                 if (sample.u <= t_[0] && fixed_) continue;
                 if (sample.u >= end) break;
-                sample.weight =
-                    scale_ > 0 ? sample.weight * scale_ * (0.02f + sample.error * lean_) : 1.0f;
-                add(sums, b, sample.u, sample.weight, coordinates(problem, sample.value));
-                credit -= visit_cost;
+                float weight = 1;
+                if (scale_ > 0)
+                    weight = (pass_ > 1 ? sample.weight : 1.0f) * scale_ *
+                             (0.02f + sample.error * lean_);
+                sample.weight = weight;
+                add<W>(sums, b, sample.u, weight,
+                       wanted_part<W>(problem.judge.coordinates(sample.value)));
+                credit -= visit;
             }
             credit -= span_cost;
             const bool over = cursor_ == count_ && span_ == last;
-            if (over) look_ahead(problem, b, sums);
-            gather(sums);
+            if (over) look_ahead<W>(problem, b, sums);
+            gather<W>(sums);
             if (over) {
-                credit -= visit_cost * static_cast<Credit>(problem.ahead.size);
+                credit -= visit * static_cast<Credit>(problem.ahead.size);
                 return start_factor();
             }
             if (cursor_ == count_ || problem.samples[cursor_].u >= end) ++span_;
         }
     }
 
-    void look_ahead(const Problem& problem, const Basis& b, Sums& sums) const noexcept {
+    template <std::size_t W>
+    void look_ahead(const Problem& problem, const Basis& b, Sums<W>& sums) const noexcept {
         for (std::size_t i = 0; i < problem.ahead.size; ++i) {
             const float w = problem.ahead.weight[i] * future_;
-            Vector x = problem.ahead.x[i];
-            for (std::size_t d = 0; d < D; ++d) x[d] -= anchor_[d];
-            add(sums, b, problem.ahead.u[i], w > 1e-6f ? w : 1e-6f, x);
+            add<W>(sums, b, problem.ahead.u[i], w > 1e-6f ? w : 1e-6f,
+                   wanted_part<W>(problem.ahead.x[i]));
         }
     }
 
@@ -309,7 +346,7 @@ class Fit {
             for (std::size_t j = 1; j < Order && cursor_ + j < rows_; ++j) {
                 const float f = row[j] * per;
                 for (std::size_t k = j; k < Order; ++k) a_[cursor_ + j][k - j] -= f * row[k];
-                for (std::size_t d = 0; d < D; ++d)
+                for (std::size_t d = low(); d < high(); ++d)
                     c_[cursor_ + j + fixed_][d] -= f * c_[cursor_ + fixed_][d];
             }
             credit -= row_cost;
@@ -317,11 +354,11 @@ class Fit {
         if (cursor_ == rows_) phase_ = Phase::substitute;
     }
 
-    void substitute(KnotPlan& plan, Credit& credit) noexcept {
+    void substitute(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept {
         for (; cursor_ > 0 && credit > 0; --cursor_) {
             const std::size_t i = cursor_ - 1;
             const float per = 1 / a_[i][0];
-            for (std::size_t d = 0; d < D; ++d) {
+            for (std::size_t d = low(); d < high(); ++d) {
                 float v = c_[i + fixed_][d];
                 for (std::size_t j = 1; j < Order && i + j < rows_; ++j)
                     v -= a_[i][j] * c_[i + j + fixed_][d];
@@ -332,9 +369,9 @@ class Fit {
         if (cursor_ > 0) return;
         to_jumps(plan);
         credit -= row_cost * static_cast<Credit>(rows_);
-        walk_ = base_;
-        if (fixed_ == 0) walk_.p.c = plan.start;
-        start_check(plan);
+        if (fixed_ == 0) base_.p.c = plan.start;
+        if (lone_) return start_part(problem, plan);
+        start_check(problem, plan);
     }
 
     /// Control points -> jumps of the highest coefficient (and the free start), by differencing.
@@ -343,23 +380,49 @@ class Fit {
         const std::size_t total = interior_ + Order;
         float factorial = 1;
         if (free)
-            for (std::size_t d = 0; d < D; ++d) plan.start[0][d] = anchor_[d] + c_[0][d];
+            for (std::size_t d = low(); d < high(); ++d) plan.start[0][d] = anchor_[d] + c_[0][d];
         for (std::size_t k = 1; k < Order; ++k) {
             for (std::size_t j = total; j-- > k;) {
                 const float width = t_[j + Order - k] - t_[j];
                 const float f = width > 0 ? static_cast<float>(Order - k) / width : 0;
-                for (std::size_t d = 0; d < D; ++d) c_[j][d] = f * (c_[j][d] - c_[j - 1][d]);
+                for (std::size_t d = low(); d < high(); ++d)
+                    c_[j][d] = f * (c_[j][d] - c_[j - 1][d]);
             }
             factorial *= static_cast<float>(k);
             if (free)
-                for (std::size_t d = 0; d < D; ++d) plan.start[k][d] = c_[k][d] / factorial;
+                for (std::size_t d = low(); d < high(); ++d) plan.start[k][d] = c_[k][d] / factorial;
         }
+        const float per = 1 / factorial;
         for (std::size_t q = head_; q < plan.size; ++q) {
             const std::size_t j = Order - 1 + (q - head_) + (free ? 1 : 0);
-            for (std::size_t d = 0; d < D; ++d)
+            for (std::size_t d = low(); d < high(); ++d)
                 plan.jump[q][d] =
-                    c_[j][d] / factorial - (j > Order - 1 ? c_[j - 1][d] / factorial : before_[d]);
+                    c_[j][d] * per - (j > Order - 1 ? c_[j - 1][d] * per : before_[d]);
         }
+    }
+
+    // ---- its errors: the very polynomials that would be frozen, over the samples beyond the head
+    void start_check(const Problem& problem, KnotPlan& plan) noexcept {
+        plan.worst = 0;
+        plan.worst_at = first_;
+        plan.covers = count_;
+        plan.objective = 0;
+        part_ = hardest_;
+        parts_left_ = parts;
+        start_part(problem, plan);
+    }
+
+    void start_part(const Problem& problem, const KnotPlan& plan) noexcept {
+        walk_ = PartWalk<Channel, MaxKnots, Width>{base_, part_ * Width};
+        (void)plan;
+        (void)problem;
+        if (pass_ == 0) best_ = 1e30f;
+        worst_ = 0;
+        worst_at_ = first_;
+        covers_ = count_;
+        tally_ = {};
+        cursor_ = first_;
+        phase_ = Phase::check;
     }
 
     /// Sums over the tested samples: e^2, w, w e, w e^2.
@@ -367,89 +430,111 @@ class Fit {
         float squares{0}, weights{0}, leaning{0}, weighted{0};
     };
 
-    // ---- its errors: the very polynomials that would be frozen, over the samples beyond the head
-    void start_check(KnotPlan& plan) noexcept {
-        plan.worst = 0;
-        plan.worst_at = first_;
-        plan.covers = count_;
-        tally_ = {};
-        cursor_ = first_;
-        phase_ = Phase::check;
-    }
-
     void check(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept {
         Tally tally = tally_;
-        float worst = plan.worst;
-        std::size_t i = cursor_, worst_at = plan.worst_at;
+        float worst = worst_;
+        std::size_t i = cursor_, worst_at = worst_at_;
+        const bool even = !lone_ && pass_ == 0;
         Credit left = credit;
         while (i < count_ && left > 0) {  // interval by interval
             walk_.to(problem.samples[i].u, plan);
-            const Polynomial<D, Order> p = walk_.p;
+            const Polynomial<Width, Order> p = walk_.p;
             const float origin = walk_.origin, end = walk_.end(plan);
             if (!p.representable()) {
-                plan.covers = i < plan.covers ? i : plan.covers;
+                covers_ = i < covers_ ? i : covers_;
                 worst = worst > unrepresentable ? worst : unrepresentable;
             }
+            const auto judge = problem.judge.part(part_);
             for (; i < count_ && left > 0; ++i) {
                 auto& sample = problem.samples[i];
                 if (sample.u > end) break;
-                const float e = problem.judge.error(p(sample.u - origin),
-                                                    problem.judge.coordinates(sample.value));
-                const float we = sample.weight * e;
+                const float e = judge(p(sample.u - origin), sample.value);
+                const float w = even ? 1.0f : sample.weight;
+                const float we = w * e;
                 sample.error = e;
                 tally.squares += e * e;
-                tally.weights += sample.weight;
+                tally.weights += w;
                 tally.leaning += we;
                 tally.weighted += we * e;
                 if (!(e <= worst)) {
                     worst = e;
                     worst_at = i;
-                    if (!(e <= limit_) && plan.covers == count_) plan.covers = i;
+                    if (!(e <= limit_) && covers_ == count_) covers_ = i;
                 }
                 left -= test_cost;
             }
             left -= interval_cost;
         }
         credit = left;
-        plan.worst = worst;
-        plan.worst_at = worst_at;
+        worst_ = worst;
+        worst_at_ = worst_at;
         tally_ = tally;
         cursor_ = i;
         if (cursor_ < count_) return;
-        if (pass_ == 0) plan.objective = tally_.squares + misfit(problem, plan);
-        credit -= test_cost * static_cast<Credit>(problem.ahead.size);
-        decide(plan);
+        if (pass_ == 0) {
+            plan.objective += tally_.squares + misfit(problem);
+            credit -= test_cost * static_cast<Credit>(problem.ahead.size);
+        }
+        decide(problem, plan);
     }
 
-    /// Another pass?
-    void decide(KnotPlan& plan) noexcept {
-        succeeded_ = plan.covers == count_;
-        best_ = plan.worst < best_ ? plan.worst : best_;
+    /// Another pass over this part?
+    void decide(const Problem& problem, KnotPlan& plan) noexcept {
+        const bool served = covers_ == count_;
+        best_ = worst_ < best_ ? worst_ : best_;
         const float n = static_cast<float>(count_ - first_);
         // the weighted mean square is a lower bound of the squared minimax error
-        const bool hopeless =
-            plan.worst > 4 ||
-            (pass_ >= 2 && tally_.weighted > n * Channel::Judge::square_bound * limit_ * limit_) ||
+        const bool over =
+            served || pass_ >= passes_ || worst_ > 4 ||
+            (pass_ >= 2 && tally_.weighted > n * limit_ * limit_) ||
             (pass_ >= 3 && best_ > 1 + 2.0f / static_cast<float>(pass_));
-        if (succeeded_ || pass_ >= passes_ || hopeless) {
-            if (!succeeded_) plan.worst = best_;
-            phase_ = Phase::done;
-            return;
-        }
+        if (over) return judged(problem, plan, served);
         ++pass_;
+        lone_ = parts > 1;
         future_ *= 0.3f;
-        lean_ = 1 / plan.worst;
+        lean_ = 1 / worst_;
         scale_ = n / (0.02f * tally_.weights + tally_.leaning * lean_);
         start_pass();
     }
 
-    float misfit(const Problem& problem, const KnotPlan& plan) const noexcept {
-        Walk walk = walk_;
+    /// On to the next part, unless it is plain that the plan is of no use.
+    void judged(const Problem& problem, KnotPlan& plan, bool served) noexcept {
+        const float worst = served ? worst_ : best_;
+        if (!(worst <= plan.worst)) {
+            plan.worst = worst;
+            plan.worst_at = worst_at_;
+            if (!served) hardest_ = part_;
+        }
+        plan.covers = covers_ < plan.covers ? covers_ : plan.covers;
+        const bool tried = pass_ > 0 || passes_ > 0;
+        if (!served && tried) {
+            if (plan.covers <= problem.wanted) {
+                plan.covers = 0;
+                phase_ = Phase::done;
+                return;
+            }
+            passes_ = 0;  // it fails, but how far does it serve?
+        }
+        if (--parts_left_ == 0) {
+            succeeded_ = plan.covers == count_;
+            phase_ = Phase::done;
+            return;
+        }
+        part_ = part_ + 1 < parts ? part_ + 1 : 0;
+        pass_ = 0;
+        lone_ = false;
+        scale_ = 0;
+        future_ = 1;
+        start_part(problem, plan);
+    }
+
+    float misfit(const Problem& problem) const noexcept {
         float sum = 0;
         for (std::size_t i = 0; i < problem.ahead.size; ++i) {
-            const Vector y = walk.at(problem.ahead.u[i], plan);
-            for (std::size_t d = 0; d < D; ++d) {
-                const float e = (problem.ahead.x[i][d] - y[d]) * problem.judge.per_limit[d];
+            const Part y = walk_.p(problem.ahead.u[i] - walk_.origin);
+            for (std::size_t d = 0; d < Width; ++d) {
+                const std::size_t k = part_ * Width + d;
+                const float e = (problem.ahead.x[i][k] - y[d]) * problem.judge.per_limit[k];
                 sum += problem.ahead.weight[i] * e * e;
             }
         }
@@ -461,13 +546,16 @@ class Fit {
     std::array<Vector, Unknowns> c_{};                    // right sides, then control points
     std::array<Vector, Order - 1> given_{};
     Vector anchor_{}, before_{};
-    Walk base_{}, walk_{};
-    float limit_{0}, ridge_{0}, future_{1}, lean_{0}, scale_{0}, best_{0};
+    Walk base_{};
+    PartWalk<Channel, MaxKnots, Width> walk_{};
+    float limit_{0}, ridge_{0}, future_{1}, lean_{0}, scale_{0}, best_{0}, worst_{0};
     Tally tally_{};
     std::size_t count_{0}, first_{0}, cursor_{0}, head_{0}, interior_{0}, rows_{0}, fixed_{0},
         span_{0}, passes_{0}, pass_{0};
+    std::size_t part_{0}, parts_left_{0}, hardest_{0}, worst_at_{0}, covers_{0};
     Phase phase_{Phase::done};
     bool succeeded_{false};
+    bool lone_{false};  // only one part is being solved for
 };
 
 }  // namespace fairlead

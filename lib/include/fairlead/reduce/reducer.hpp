@@ -193,7 +193,7 @@ class Reducer {
     }
 
     typename Knots::View view() noexcept {
-        return {{samples_, own_, ahead_, frozen_, judge_, !active_},
+        return {{samples_, own_, ahead_, frozen_, judge_, !active_, 0},
                 static_cast<std::int32_t>(cover_ticks_),
                 params_.delay_max,
                 soon()};

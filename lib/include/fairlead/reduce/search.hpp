@@ -98,7 +98,7 @@ class Search {
     /// A curve must start now: the longest leading part that one polynomial serves, by halving.
     void start_over(const View& v, Credit& credit) noexcept {
         reset();
-        typename Fitter::Problem part{v.samples, v.count, none_, v.frozen, v.judge, true};
+        typename Fitter::Problem part{v.samples, v.count, none_, v.frozen, v.judge, true, v.count};
         if (part.count > start_max) part.count = start_max;
         for (; part.count > 0; part.count /= 2) {
             trial_ = {};
@@ -121,6 +121,7 @@ class Search {
             credit -= horizon_cost + Fitter::pass_cost * static_cast<Credit>(plan_.size);
         }
         View v = whole;
+        v.wanted = plan_.covers + 1;
         v.count = horizon_ < whole.count ? horizon_ : whole.count;
         partial_ = v.count < whole.count;
         if (!fitter_.busy()) {
@@ -130,8 +131,8 @@ class Search {
             credit -= Fitter::start_cost + Fitter::pass_cost * static_cast<Credit>(trial_.size);
         }
         if (partial_) {
-            const typename Fitter::Problem known{v.samples, v.count, none_,
-                                                 v.frozen,  v.judge, v.free};
+            const typename Fitter::Problem known{v.samples, v.count, none_, v.frozen,
+                                                 v.judge,   v.free,  v.wanted};
             fitter_.run(known, trial_, credit);
         } else {
             fitter_.run(v, trial_, credit);
