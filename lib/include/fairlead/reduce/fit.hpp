@@ -74,6 +74,20 @@ class Fit {
         start_check(problem, plan);
     }
 
+    /// Begins to look for better places of the knots after the first `head`: a plain fit in which
+    /// each of them is double, so that the curve may bend there, too. See shift().
+    void start_shifts(const Problem& problem, std::size_t head, KnotPlan& plan) noexcept {
+        open(problem, head, 0, 1, plan);
+        doubled_ = true;
+        if (fixed_) --fixed_;
+        lay_knots(problem, plan);
+        start_pass();
+    }
+    /// May so many knots be doubled?
+    static constexpr std::size_t shifts_max = MaxKnots / 2;
+    /// Then: by how much knot i should move, by the step of Gauss and Newton.
+    float shift(std::size_t i) const noexcept { return shift_[i]; }
+
     /// Goes on with what was begun, until it is done or the credit is used up.
     void run(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept {
         while (busy() && credit > 0) {
@@ -116,6 +130,7 @@ class Fit {
         pass_ = 0;
         succeeded_ = false;
         lone_ = false;
+        doubled_ = false;
         scale_ = 0;
         future_ = 1;
         base_ = Walk{problem.frozen, problem.free && head > 0, plan};
@@ -139,8 +154,8 @@ class Fit {
     // ---- the system
     void lay_knots(const Problem& problem, const KnotPlan& plan) noexcept {
         // the first knot of a continued curve is the boundary
-        const std::size_t from = head_ + (fixed_ ? 1 : 0);
-        interior_ = plan.size - from;
+        const std::size_t from = head_ + (fixed_ ? 1 : 0), times = doubled_ ? 2 : 1;
+        interior_ = (plan.size - from) * times;
         const float begin = fixed_ ? static_cast<float>(plan.knot[head_]) : 0.0f;
         // ahead of the samples the last polynomial goes on: basis functions made for the samples'
         // range keep the system well conditioned in float
@@ -152,7 +167,7 @@ class Fit {
             t_[total + j] = end;
         }
         for (std::size_t j = 0; j < interior_; ++j)
-            t_[Order + j] = static_cast<float>(plan.knot[from + j]);
+            t_[Order + j] = static_cast<float>(plan.knot[from + j / times]);
         rows_ = total - fixed_;
         anchor_ = problem.frozen.c[0];
         if (fixed_) give_control_points();
@@ -161,7 +176,7 @@ class Fit {
     /// The first control points: the blossom of the polynomial that is continued.
     void give_control_points() noexcept {
         const auto at = base_.p.shifted(t_[0] - base_.origin);
-        for (std::size_t j = 0; j + 1 < Order; ++j) {
+        for (std::size_t j = 0; j < fixed_; ++j) {
             std::array<float, Order> e{};  // elementary symmetric polynomials of the knots
             e[0] = 1;
             for (std::size_t k = 1; k < Order; ++k)
@@ -175,7 +190,7 @@ class Fit {
             }
             for (std::size_t d = 0; d < D; ++d) given_[j][d] = sum[d] - anchor_[d];
         }
-        before_ = at.c[Order - 1];
+        before_ = at.c[doubled_ ? Order - 2 : Order - 1];
     }
 
     void start_pass() noexcept {
@@ -367,6 +382,11 @@ class Fit {
             credit -= row_cost;
         }
         if (cursor_ > 0) return;
+        if (doubled_) {
+            to_shifts(problem, plan);
+            phase_ = Phase::done;
+            return;
+        }
         to_jumps(plan);
         credit -= row_cost * static_cast<Credit>(rows_);
         if (fixed_ == 0) base_.p.c = plan.start;
@@ -398,6 +418,35 @@ class Fit {
             for (std::size_t d = low(); d < high(); ++d)
                 plan.jump[q][d] =
                     c_[j][d] * per - (j > Order - 1 ? c_[j - 1][d] * per : before_[d]);
+        }
+    }
+
+    /// Where the curve wants to bend at a knot, it should be moved: J (u - t - s)^n, less
+    /// J (u - t)^n, is -n s J (u - t)^(n - 1) to first order.
+    void to_shifts(const Problem& problem, const KnotPlan& plan) noexcept {
+        const bool free = fixed_ == 0 && problem.free && head_ == 0;
+        const std::size_t total = interior_ + Order;
+        float factorial = 1;
+        for (std::size_t k = 1; k + 1 < Order; ++k) {
+            for (std::size_t j = total; j-- > k;) {
+                const float width = t_[j + Order - k] - t_[j];
+                const float f = width > 0 ? static_cast<float>(Order - k) / width : 0;
+                for (std::size_t d = 0; d < D; ++d) c_[j][d] = f * (c_[j][d] - c_[j - 1][d]);
+            }
+            factorial *= static_cast<float>(k);
+        }
+        const float per = 1 / factorial;
+        for (std::size_t q = head_; q < plan.size; ++q) {
+            const std::size_t j = Order - 2 + 2 * (q - head_ + (free ? 1 : 0));
+            float bend = 0, jump = 1e-12f;
+            for (std::size_t d = 0; d < D; ++d) {
+                const float p = problem.judge.per_limit[d] * problem.judge.per_limit[d];
+                const float a =
+                    c_[j][d] * per - (j > Order - 2 ? c_[j - 1][d] * per : before_[d]);
+                bend += p * a * plan.jump[q][d];
+                jump += p * plan.jump[q][d] * plan.jump[q][d];
+            }
+            shift_[q] = -bend / (static_cast<float>(Order - 1) * jump);
         }
     }
 
@@ -545,6 +594,7 @@ class Fit {
     std::array<std::array<float, Order>, Unknowns> a_{};  // upper band of the normal matrix
     std::array<Vector, Unknowns> c_{};                    // right sides, then control points
     std::array<Vector, Order - 1> given_{};
+    std::array<float, MaxKnots> shift_{};
     Vector anchor_{}, before_{};
     Walk base_{};
     PartWalk<Channel, MaxKnots, Width> walk_{};
@@ -555,6 +605,7 @@ class Fit {
     std::size_t part_{0}, parts_left_{0}, hardest_{0}, worst_at_{0}, covers_{0};
     Phase phase_{Phase::done};
     bool succeeded_{false};
+    bool doubled_{false};
     bool lone_{false};  // only one part is being solved for
 };
 

@@ -270,12 +270,18 @@ class Reducer {
         if (cover(steady ? goal : half_way(goal))) return true;
         if (search_.plan().size > 0 && !before_knot(0)) {
             if (out_.size == batch_knots) return false;
+            if (!forced && since(samples_[0].record) < knot_age(goal)) return false;
             freeze();
             return true;
         }
         if (!forced || pending()) return false;
         break_curve();
         return true;
+    }
+
+    /// Coverage is cheap, a knot costs the freedom to place it better: only old ones become final.
+    std::uint32_t knot_age(std::uint32_t goal) const noexcept {
+        return goal == 0 ? 0 : (goal + 3 * params_.delay_max) / 4;
     }
 
     std::uint32_t half_way(std::uint32_t goal) const noexcept {

@@ -180,7 +180,7 @@ class Search {
         switch (stage_) {
             case Stage::idle: return begin(v, credit);
             case Stage::land: return propose_landing(v, credit);
-            case Stage::move: return propose_move(v, credit);
+            case Stage::move: return propose_move(v);
             case Stage::insert: return propose_insertion(v);
             case Stage::dense: return propose_dense(v);
             case Stage::append: return propose_append(v);
@@ -197,6 +197,10 @@ class Search {
     }
 
     void conclude(const View& v, bool ok) noexcept {
+        if (seeking_) {
+            seeking_ = fresh_ = false;
+            return;
+        }
         // a plan that is behind takes whatever serves it longer
         if (!ok && stage_ != Stage::verify && trial_.covers > plan_.covers + 1 && valid(v, trial_))
             plan_ = trial_;
@@ -232,6 +236,7 @@ class Search {
 
     void idle() noexcept {
         fitter_.cancel();
+        seeking_ = false;
         stage_ = Stage::idle;
     }
 
@@ -448,7 +453,7 @@ class Search {
         if (partial_) return give_up(v);
         if (best_.worst > hopeless) return start_insertion(v, best_);
         head_ = head_before(knots_before(v, best_, best_.worst_at), tail());
-        start_moves(best_, head_, best_.size, 2 * move_budget, Goal::insertion);
+        start_moves(best_, 2 * move_budget, Goal::insertion);
     }
 
     // ---- landing: while the newest samples are at rest, end the plan on a constant
@@ -505,40 +510,65 @@ class Search {
         found_ = true;
     }
 
-    // ---- coordinate search: knots one at a time, by shrinking steps
-    void start_moves(const KnotPlan& from, std::size_t first, std::size_t last, std::size_t budget,
-                     Goal goal) noexcept {
+    // ---- moves: all free knots at once, by damped steps of Gauss and Newton
+    void start_moves(const KnotPlan& from, std::size_t budget, Goal goal) noexcept {
         current_ = from;
-        first_ = first;
-        last_ = last;
-        rounds_ = 3;
         budget_ = budget;
         goal_ = goal;
-        scale_ = 0;
-        knot_ = last_;
-        forward_ = false;
-        improved_ = false;
+        fresh_ = true;
         stage_ = Stage::move;
     }
 
-    bool propose_move(const View& v, Credit& credit) noexcept {
-        static constexpr float steps[] = {0.08f, 0.03f, 0.01f};
-        const float span = v.samples[v.count - 1].u - v.samples[0].u;
-        while (credit > 0) {  // to the next valid candidate
-            credit -= step_cost;
-            if (budget_ == 0 || !next_move()) {
-                moves_failed(v);
-                return true;
-            }
-            std::int32_t by = to_integer(steps[scale_] * span);
-            if (by < 1) by = 1;
-            trial_ = current_;
-            trial_.knot[knot_] += forward_ ? by : -by;
-            if (!valid(v, trial_)) continue;
-            --budget_;
-            return fit(v, head_, current_.worst < 1.5f ? move_passes : soft_passes);
+    bool propose_move(const View& v) noexcept {
+        if (budget_ == 0 || current_.size <= head_ || Order < 3) {
+            moves_failed(v);
+            return true;
         }
+        --budget_;
+        trial_ = current_;
+        if (fresh_) return seek(v, head_);
+        if (!shift_knots(v, head_)) {
+            moves_failed(v);
+            return true;
+        }
+        return fit(v, head_, current_.worst < 1.5f ? move_passes : soft_passes);
+    }
+
+    /// Has the fitter look for better places of the trial's knots.
+    bool seek(const View& v, std::size_t head) noexcept {
+        seeking_ = true;
+        fitting_ = true;
+        const std::size_t most = Fitter::shifts_max;
+        sought_ = trial_.size > head + most ? trial_.size - most : head;
+        fitter_.start_shifts(v, sought_, trial_);
+        damping_ = 1;
         return true;
+    }
+
+    /// Moves the trial's knots to where they want to be. @return whether any moves.
+    bool shift_knots(const View& v, std::size_t head) noexcept {
+        const auto last = static_cast<std::int32_t>(v.samples[v.count - 1].u) - 1;
+        bool any = false;
+        const KnotPlan& from = trial_;
+        std::int32_t before = head > 0 ? from.knot[head - 1] : first_place(v) - 1;
+        if (head > 0 && before < first_place(v) - 1) before = first_place(v) - 1;
+        for (std::size_t i = sought_; i < trial_.size; ++i) {
+            const std::int32_t old = trial_.knot[i];
+            if (i > head && i == sought_) before = trial_.knot[i - 1];
+            const float room_below = static_cast<float>(old - before) * 0.6f;
+            const std::int32_t next = i + 1 < trial_.size ? trial_.knot[i + 1] : last;
+            const float room_above = static_cast<float>(next - old) * 0.6f;
+            float by = fitter_.shift(i) * damping_;
+            if (by < -room_below) by = -room_below;
+            if (by > room_above) by = room_above;
+            std::int32_t at = old + to_integer(by);
+            if (at <= before) at = before + 1;
+            before = old;
+            if (i > sought_ && at <= trial_.knot[i - 1]) at = trial_.knot[i - 1] + 1;
+            any = any || at != old;
+            trial_.knot[i] = at;
+        }
+        return any && valid(v, trial_);
     }
 
     void moved(bool ok) noexcept {
@@ -546,30 +576,11 @@ class Search {
             accept(trial_);
         } else if (trial_.worst < current_.worst - 1e-4f) {
             current_ = trial_;
-            improved_ = true;
-        }
-    }
-
-    /// Steps through (scale, knot from last to first, direction); repeats while rounds improve.
-    bool next_move() noexcept {
-        if (!forward_ && knot_ < last_) {
-            forward_ = true;
-            return true;
-        }
-        forward_ = false;
-        if (knot_ > first_) {
-            --knot_;
-            return true;
-        }
-        if (scale_ == 2) {
-            if (!improved_ || --rounds_ == 0) return false;
-            improved_ = false;
-            scale_ = 0;
+            fresh_ = true;
         } else {
-            ++scale_;
+            damping_ *= 0.35f;
+            if (damping_ < 0.1f) budget_ = 0;
         }
-        knot_ = last_ - 1;
-        return last_ > first_;
     }
 
     void moves_failed(const View& v) noexcept {
@@ -712,8 +723,7 @@ class Search {
             if (++tried_ >= 2) idle();
             return;
         }
-        const std::size_t last = knot_ + 2 < trial_.size ? knot_ + 2 : trial_.size;
-        start_moves(trial_, head_, last, move_budget, Goal::removal);
+        start_moves(trial_, move_budget, Goal::removal);
     }
 
     // ---- polish: with time left, knots go where the fit (and the predicted future) is better
@@ -762,7 +772,9 @@ class Search {
     std::size_t stuck_at_{0}, horizon_{0}, reach_{reach};
     std::uint32_t age_{0};
     float low_worst_{0}, cell_low_{0}, cell_high_{0}, merit_{0};
-    bool forward_{false}, improved_{false}, found_{false}, refitted_{false};
+    float damping_{1};
+    std::size_t sought_{0};
+    bool fresh_{false}, seeking_{false}, found_{false}, refitted_{false};
     bool fitting_{false}, partial_{false}, doubted_{false}, flat_start_{true};
 };
 
