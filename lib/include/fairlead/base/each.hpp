@@ -4,6 +4,9 @@
 #include <type_traits>
 #include <utility>
 
+/// After a lambda's parameters: written out wherever it is called, however long it is.
+#define FAIRLEAD_INLINE __attribute__((always_inline))
+
 namespace fairlead {
 
 namespace detail {

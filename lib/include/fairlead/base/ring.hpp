@@ -28,6 +28,10 @@ class Ring {
         FAIRLEAD_ASSERT(i < size_);
         return items_[slot(i)];
     }
+    /// The item after one of the ring's own: walks in order without an index.
+    constexpr T* after(T* item) noexcept {
+        return ++item == items_.data() + N ? items_.data() : item;
+    }
     constexpr const T& oldest() const noexcept { return (*this)[0]; }
     constexpr const T& newest() const noexcept { return (*this)[size_ - 1]; }
 

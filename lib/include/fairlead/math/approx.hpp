@@ -122,10 +122,8 @@ constexpr bool is_finite(Real x) noexcept {
     return x - x == 0;
 }
 
-template <class Real>
-constexpr Real abs(Real x) noexcept {
-    return x < 0 ? -x : x;
-}
+constexpr float abs(float x) noexcept { return __builtin_fabsf(x); }
+constexpr double abs(double x) noexcept { return __builtin_fabs(x); }
 
 inline float sqrt(float x) noexcept { return __builtin_sqrtf(x); }
 inline double sqrt(double x) noexcept { return __builtin_sqrt(x); }

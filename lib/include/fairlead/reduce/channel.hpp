@@ -76,9 +76,11 @@ struct VectorChannel {
             }
         }
 
-        std::array<float, D> coordinates(const Value& v) const noexcept {
-            std::array<float, D> x;
-            each<D>([&](auto d) { x[d] = v[d] * per_unit[d]; });
+        /// W components of a value in curve units, after the first `from`.
+        template <std::size_t W = D>
+        std::array<float, W> coordinates(const Value& v, std::size_t from = 0) const noexcept {
+            std::array<float, W> x;
+            each<W>([&](auto d) { x[d] = v[from + d] * per_unit[from + d]; });
             return x;
         }
 
@@ -102,24 +104,17 @@ struct VectorChannel {
             return out;
         }
 
-        /// The error of component d alone: for planning.
-        struct Part {
-            std::size_t d;
-            float unit, limit;
-            float operator()(const std::array<float, 1>& y, const Value& v) const noexcept {
-                return approx::abs(y[0] - v[d] * unit) * limit;
-            }
-        };
-        Part part(std::size_t d) const noexcept { return {d, per_unit[d], per_limit[d]}; }
-
-        /// Error of curve coordinates y at coordinates x, 1 at the tolerance: for planning.
-        float error(const std::array<float, D>& y, const std::array<float, D>& x) const noexcept {
-            float worst = 0;
-            each<D>([&](auto d) {
-                const float e = approx::abs(y[d] - x[d]) * per_limit[d];
-                worst = e > worst ? e : worst;
-            });
-            return worst;
+        /// Errors of curve coordinates y at a sample, 1 at the tolerance, part by part: for planning.
+        std::array<float, parts> errors(const std::array<float, D>& y,
+                                        const Value& v) const noexcept {
+            std::array<float, parts> e;
+            each<D>([&](auto d) { e[d] = approx::abs(y[d] - v[d] * per_unit[d]) * per_limit[d]; });
+            return e;
+        }
+        /// The same of one part alone.
+        float error(std::size_t part, const std::array<float, 1>& y,
+                    const Value& v) const noexcept {
+            return approx::abs(y[0] - v[part] * per_unit[part]) * per_limit[part];
         }
     };
 };
@@ -188,7 +183,8 @@ struct OrientationChannel {
             limit.fill(tol / 2);
         }
 
-        Vector coordinates(const Quat& q) const noexcept {
+        template <std::size_t W = 4>
+        Vector coordinates(const Quat& q, std::size_t = 0) const noexcept {
             return {q.w * per_unit, q.x * per_unit, q.y * per_unit, q.z * per_unit};
         }
 
@@ -199,24 +195,18 @@ struct OrientationChannel {
             return w * w + x * x + y * y + z * z <= chord2;
         }
 
-        struct Part {
-            const Judge& judge;
-            float operator()(const Vector& y, const Quat& q) const noexcept {
-                return judge.error(y, judge.coordinates(q));
-            }
-        };
-        Part part(std::size_t) const noexcept { return {*this}; }
-
-        float error(const Vector& y, const Vector& x) const noexcept {
-            const float square = y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3];
-            if (!(square > 0)) return 1e9f;
-            const float s = 1 / approx::sqrt(square);
-            float apart = 0;
-            for (std::size_t d = 0; d < 4; ++d) {
-                const float e = s * y[d] - unit * x[d];
-                apart += e * e;
-            }
-            return approx::sqrt(apart) * per_chord;
+        /// Error of curve coordinates y at a sample, 1 at the tolerance: for planning. The radial
+        /// part of the difference is left out, as taking y to unit length will.
+        std::array<float, 1> errors(const Vector& y, const Quat& q) const noexcept {
+            const float w = y[0] * unit - q.w, x = y[1] * unit - q.x, u = y[2] * unit - q.y,
+                        z = y[3] * unit - q.z;
+            const float radial = w * q.w + x * q.x + u * q.y + z * q.z;
+            const float apart = w * w + x * x + u * u + z * z - radial * radial;
+            if (!(radial > -0.5f)) return {1e9f};
+            return {apart > 0 ? approx::sqrt(apart) * per_chord / (1 + radial) : 0.0f};
+        }
+        float error(std::size_t, const Vector& y, const Quat& q) const noexcept {
+            return errors(y, q)[0];
         }
 
         Vector difference(const Quat& a, const Quat& b) const noexcept {

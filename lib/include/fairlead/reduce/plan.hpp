@@ -101,33 +101,4 @@ struct PlanWalk {
     }
 };
 
-/// The same walk for a few components only, from where a walk stands.
-template <class Channel, std::size_t MaxKnots, std::size_t Width>
-struct PartWalk {
-    static constexpr std::size_t Order = Channel::order;
-
-    Polynomial<Width, Order> p{};
-    float origin{0};
-    std::size_t next{0}, from{0};  // the next knot; the first component
-
-    PartWalk() = default;
-    PartWalk(const PlanWalk<Channel, MaxKnots>& walk, std::size_t first) noexcept
-        : origin{walk.origin}, next{walk.next}, from{first} {
-        for (std::size_t m = 0; m < Order; ++m)
-            for (std::size_t d = 0; d < Width; ++d) p.c[m][d] = walk.p.c[m][from + d];
-    }
-    void to(float u, const Plan<Channel, MaxKnots>& plan) noexcept {
-        while (next < plan.size && static_cast<float>(plan.knot[next]) < u) {
-            const auto knot = static_cast<float>(plan.knot[next]);
-            p = p.shifted(knot - origin);
-            origin = knot;
-            for (std::size_t d = 0; d < Width; ++d) p.c[Order - 1][d] += plan.jump[next][from + d];
-            ++next;
-        }
-    }
-    float end(const Plan<Channel, MaxKnots>& plan) const noexcept {
-        return next < plan.size ? static_cast<float>(plan.knot[next]) : 1e30f;
-    }
-};
-
 }  // namespace fairlead

@@ -456,8 +456,8 @@ class Reducer {
             const auto& sample = samples_[i];
             if (sample.u > end) break;
             credit_ -= Knots::Fitter::test_cost;
-            if (judge_.error(p(sample.u - begin), judge_.coordinates(sample.value)) > 0.9995f)
-                return false;
+            for (const float e : judge_.errors(p(sample.u - begin), sample.value))
+                if (e > 0.9995f) return false;
         }
         return true;
     }

@@ -328,7 +328,8 @@ class Search {
         for (std::size_t i = 0; i < catch_up_max && plan_.covers < v.count; ++i) {
             const auto& sample = v.samples[plan_.covers];
             const auto y = walk.at(sample.u, plan_);
-            if (!(v.judge.error(y, v.judge.coordinates(sample.value)) <= limit)) return;
+            for (const float e : v.judge.errors(y, sample.value))
+                if (!(e <= limit)) return;
             ++plan_.covers;
         }
     }

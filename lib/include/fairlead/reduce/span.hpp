@@ -70,11 +70,19 @@ struct Polynomial {
     }
 
     /// Value at u ticks after the knot.
-    std::array<float, D> operator()(float u) const noexcept {
+    [[gnu::always_inline]] std::array<float, D> operator()(float u) const noexcept {
         std::array<float, D> y = c[Order - 1];
         each<Order - 1>(
             [&](auto m) { each<D>([&](auto d) { y[d] = y[d] * u + c[Order - 2 - m][d]; }); });
         return y;
+    }
+
+    /// A few of its components.
+    template <std::size_t W>
+    Polynomial<W, Order> components(std::size_t from) const noexcept {
+        Polynomial<W, Order> out;
+        each<Order>([&](auto m) { each<W>([&](auto d) { out.c[m][d] = c[m][from + d]; }); });
+        return out;
     }
 
     /// Would a span's integers hold it?
@@ -105,9 +113,12 @@ struct Polynomial {
     /// The Taylor coefficients about u: the same polynomial seen from a later knot.
     Polynomial shifted(float u) const noexcept {
         Polynomial out = *this;
-        for (std::size_t d = 0; d < D; ++d)  // repeated synthetic division
-            for (std::size_t m = 0; m + 1 < Order; ++m)
-                for (std::size_t j = Order - 1; j-- > m;) out.c[j][d] += u * out.c[j + 1][d];
+        each<Order - 1>([&](auto m) {  // repeated synthetic division
+            each<Order - 1 - m>([&](auto i) {
+                constexpr std::size_t j = Order - 2 - i;
+                each<D>([&](auto d) { out.c[j][d] += u * out.c[j + 1][d]; });
+            });
+        });
         return out;
     }
 };
