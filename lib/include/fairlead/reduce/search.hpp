@@ -46,7 +46,7 @@ class Search {
     const KnotPlan& plan() const noexcept { return plan_; }
     /// Has the plan been tested since a knot was rounded, and does it serve nearly all samples?
     bool steady(std::size_t count) const noexcept {
-        return !doubted_ && stage_ != Stage::verify && plan_.covers + reach >= count;
+        return !doubted_ && stage_ != Stage::verify && stage_ != Stage::refit && plan_.covers + reach >= count;
     }
 
     void reset() noexcept {
@@ -124,6 +124,7 @@ class Search {
         v.wanted = plan_.covers + 1;
         v.count = horizon_ < whole.count ? horizon_ : whole.count;
         partial_ = v.count < whole.count;
+        hurried_ = partial_ && plan_.covers < near;
         if (!fitter_.busy()) {
             fitting_ = false;
             if (!propose(v, credit)) return false;
@@ -150,13 +151,13 @@ class Search {
     enum class Stage : std::uint8_t {
         idle,
         verify,
+        refit,
         repair,
         settle,
         renew,
         land,
         move,
         insert,
-        dense,
         append,
         drop,
         drop_harder,
@@ -171,6 +172,7 @@ class Search {
     static constexpr float hopeless = 3;             // errors beyond: moving knots will not do
     static constexpr std::uint32_t drop_period = 4;  // samples between two rounds of removal
     static constexpr std::size_t catch_up_max = 16;  // samples tested at once
+    static constexpr std::size_t near = 24;          // samples before which a plan hurries
     static constexpr std::size_t reach = 8;          // samples that a plan behind looks further
     static constexpr std::size_t fit_lasts = 8;      // records that a fit may take
     static constexpr std::size_t start_max = 16;     // samples of a curve that must start at once
@@ -182,12 +184,12 @@ class Search {
             case Stage::land: return propose_landing(v, credit);
             case Stage::move: return propose_move(v);
             case Stage::insert: return propose_insertion(v);
-            case Stage::dense: return propose_dense(v);
             case Stage::append: return propose_append(v);
             case Stage::drop: return propose_drop(v);
             case Stage::drop_harder: return propose_hard_drop(v);
             case Stage::polish: return propose_polish(v);
             case Stage::settle: return propose_settling(v);
+            case Stage::refit: return propose_refit(v);
             case Stage::verify:
             case Stage::repair:
             case Stage::renew: break;
@@ -207,6 +209,7 @@ class Search {
         if (ok && !valid(v, trial_)) ok = false;
         switch (stage_) {
             case Stage::verify: return verified();
+            case Stage::refit: return ok ? accept(trial_) : idle();
             case Stage::repair: return ok ? accept(trial_) : repair(v);
             case Stage::settle: return ok ? accept(trial_) : void();
             case Stage::renew:
@@ -215,10 +218,6 @@ class Search {
             case Stage::land: return landed(ok);
             case Stage::move: return moved(ok);
             case Stage::insert: return inserted(ok);
-            case Stage::dense:
-                if (!ok) return;
-                hints_ = 0;
-                return accept(trial_);
             case Stage::append: return ok ? accept(trial_) : void();
             case Stage::drop: return dropped(ok);
             case Stage::drop_harder: return hard_dropped(ok);
@@ -315,10 +314,25 @@ class Search {
     }
 
     void verified() noexcept {
-        const bool was_behind = plan_.covers < trial_.covers;
-        if (!was_behind) plan_.covers = trial_.covers;
+        const bool was_ahead = plan_.covers > trial_.covers;
+        if (was_ahead) plan_.covers = trial_.covers;
         if (plan_.landing > 0 && plan_.size == 0 && trial_.covers < horizon_) flat_start_ = false;
+        if (was_ahead && plan_.size > 0 && plan_.landing == 0) {
+            stage_ = Stage::refit;
+            cell_ = 0;
+            return;
+        }
         idle();
+    }
+
+    /// The rounding of a knot was a little too much: the others make up for it, all at once.
+    bool propose_refit(const View& v) noexcept {
+        if (cell_++ > 0) {
+            idle();
+            return true;
+        }
+        trial_ = plan_;
+        return fit(v, loose(0), hard_passes);
     }
 
     // ---- how far to look
@@ -339,7 +353,7 @@ class Search {
     void set_horizon(const View& v) noexcept {
         if (plan_.covers > v.count) plan_.covers = v.count;
         catch_up(v);
-        horizon_ = plan_.covers + (urgent_at(plan_.covers, v.delay) ? 4 * reach_ : reach_);
+        horizon_ = plan_.covers + reach_;
         if (horizon_ > v.count) horizon_ = v.count;
         const float end = v.samples[horizon_ - 1].u;
         if (horizon_ < v.count)
@@ -388,51 +402,19 @@ class Search {
         return i > back ? i - back : 0;
     }
 
-    /// Behind, and soon due: no time to look for the fewest knots.
-    static bool urgent_at(std::size_t covers, std::uint32_t delay) noexcept {
-        return covers < delay / 4;
-    }
-    bool urgent(const View& v) const noexcept {
-        return partial_ && urgent_at(plan_.covers, v.delay);
-    }
-
     /// No plan was found: at least serve the next samples.
-    void give_up(const View& v) noexcept {
+    void give_up() noexcept {
         idle();
-        if (partial_ && !urgent(v) && reach_ > 1) {
+        if (partial_ && reach_ > 1) {
             reach_ /= 2;  // look less far first
             return;
         }
-        stage_ = urgent(v) ? Stage::dense : Stage::append;
+        stage_ = Stage::append;
         cell_ = 0;
     }
 
     /// Free knots before a change: fewer where the plan must catch up.
     std::size_t tail() const noexcept { return partial_ ? 3 : 4; }
-
-    // ---- more knots than needed, evenly, beyond what is served; removal thins them out later
-    bool propose_dense(const View& v) noexcept {
-        trial_ = plan_;
-        const std::size_t kept = knots_before(v, plan_, plan_.covers);
-        trial_.size = kept > 1 ? kept - 1 : 0;
-        const std::size_t head = trial_.size;
-        const std::int32_t first = first_lasting_place(v);
-        const std::int32_t from =
-            head > 0 && trial_.knot[head - 1] >= first ? trial_.knot[head - 1] : first - 1;
-        const auto until = static_cast<std::int32_t>(v.samples[v.count - 1].u);
-        const std::int32_t parts = 2 << cell_;
-        ++cell_;
-        const bool room =
-            head + static_cast<std::size_t>(parts) <= MaxKnots && until - from > parts;
-        if (!room) {
-            stage_ = Stage::append;
-            cell_ = 0;
-            return true;
-        }
-        for (std::int32_t k = 0; k < parts; ++k)
-            trial_.insert(from + 1 + (until - from - 1) * k / parts);
-        return valid(v, trial_) ? fit(v, head, soft_passes) : true;
-    }
 
     // ---- repair: a sample is not served
     void start_repair(const View& v) noexcept {
@@ -443,15 +425,14 @@ class Search {
         fit(v, head_, hard_passes);
     }
 
-    /// One more knot, unless time is short.
+    /// One more knot.
     void repair(const View& v) noexcept {
-        if (urgent(v)) return give_up(v);
         start_insertion(v, trial_);
     }
 
     /// No single knot is enough: moves those around the worst error, too.
     void move_all(const View& v) noexcept {
-        if (partial_) return give_up(v);
+        if (partial_) return give_up();
         if (best_.worst > hopeless) return start_insertion(v, best_);
         head_ = head_before(knots_before(v, best_, best_.worst_at), tail());
         start_moves(best_, 2 * move_budget, Goal::insertion);
@@ -592,7 +573,7 @@ class Search {
 
     // ---- insertion: one more knot on a coarse grid around the worst error
     void start_insertion(const View& v, const KnotPlan& from) noexcept {
-        if (from.size >= MaxKnots || level_ >= MaxKnots) return give_up(v);
+        if (from.size >= MaxKnots || level_ >= MaxKnots) return give_up();
         ++level_;
         if (&from != &current_) current_ = from;
         stage_ = Stage::insert;
@@ -600,7 +581,7 @@ class Search {
         tried_ = 0;
         found_ = false;
         low_worst_ = 1e30f;
-        places_ = partial_ ? grid / 2 : grid;
+        places_ = hurried_ ? grid / 3 : (partial_ ? grid / 2 : grid);
         const std::size_t at = knots_before(v, current_, current_.worst_at);
         head_ = head_before(at, tail());
         cell_low_ = at >= 2 ? static_cast<float>(current_.knot[at - 2])
@@ -621,13 +602,13 @@ class Search {
                 if (score_[i] < score_[best]) best = i;
             if (score_[best] > 1e29f) break;
             score_[best] = 1e30f;
-            return insert_at(v, best, current_.worst < hopeless ? hard_passes : soft_passes);
+            return insert_at(v, best, current_.worst < hopeless && !hurried_ ? hard_passes : soft_passes);
         }
         if (found_ && valid(v, best_)) {
             accept(best_);
             if (!partial_) start_drops();
         } else if (found_ || low_worst_ > 1e29f) {
-            give_up(v);
+            give_up();
         } else {
             move_all(v);
         }
@@ -776,6 +757,7 @@ class Search {
     float damping_{1};
     std::size_t sought_{0};
     bool fresh_{false}, seeking_{false}, found_{false}, refitted_{false};
+    bool hurried_{false};  // what is not served will be due soon
     bool fitting_{false}, partial_{false}, doubted_{false}, flat_start_{true};
 };
 
