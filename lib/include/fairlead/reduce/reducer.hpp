@@ -68,8 +68,7 @@ class Reducer {
     static constexpr std::size_t cover_max = 16;     // samples tested in one step
     static constexpr std::size_t rounding_max = 12;  // samples that choose a knot's rounding
     static constexpr std::int32_t rest_places = 64;  // last places that a stop may cut off
-    static constexpr int unsettled_places =
-        10;  // finer, where the later knots have not been fitted to it
+    static constexpr int unsettled_places = 3;  // finer, where the others have not been fitted
     using Value = typename Channel::Value;
     using Params = ReduceParams<Channel>;
     using Frozen = Batch<Channel, batch_knots>;
@@ -434,7 +433,8 @@ class Reducer {
         const float end = plan.size > 1 ? static_cast<float>(plan.knot[1]) : samples_[own_ - 1].u;
         int shift = lands ? 0 : plan.settled;
         const bool settled = shift >= 0;
-        if (!settled) shift = jump_shift<Order>(end - begin) - unsettled_places;
+        // the later knots have not been fitted to it: its error grows to the end of the plan
+        if (!settled) shift = jump_shift<Order>(planned_end(end) - begin) - unsettled_places;
         shift = shift > 0 ? shift : 0;
         const auto sent = Channel::to_wire(plan.jump[0], frozen_(begin));
         for (;;) {  // at most 8 times
@@ -446,6 +446,13 @@ class Reducer {
             if (settled || shift == 0 || serves(begin, end)) return;
             shift = shift > 4 ? shift - 4 : 0;
         }
+    }
+
+    float planned_end(float at_least) const noexcept {
+        const std::size_t covers = search_.plan().covers;
+        const std::size_t n = covers < own_ ? covers : own_;
+        const float end = n > 0 ? samples_[n - 1].u : 0;
+        return end > at_least ? end : at_least;
     }
 
     /// Does the curve beyond a knot at `begin` serve the samples of its first interval?
