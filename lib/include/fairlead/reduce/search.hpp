@@ -46,7 +46,7 @@ class Search {
     const KnotPlan& plan() const noexcept { return plan_; }
     /// Has the plan been tested since a knot was rounded, and does it serve nearly all samples?
     bool steady(std::size_t count) const noexcept {
-        return !doubted_ && stage_ != Stage::verify && stage_ != Stage::refit && plan_.covers + reach >= count;
+        return !doubted_ && stage_ != Stage::verify && stage_ != Stage::refit && plan_.covers + 3*reach >= count;
     }
 
     void reset() noexcept {
@@ -123,7 +123,7 @@ class Search {
         View v = whole;
         v.wanted = plan_.covers + 1;
         v.count = horizon_ < whole.count ? horizon_ : whole.count;
-        partial_ = v.count < whole.count;
+        partial_ = v.count < whole.count && !waits_;
         hurried_ = partial_ && plan_.covers < near;
         if (!fitter_.busy()) {
             fitting_ = false;
@@ -173,6 +173,7 @@ class Search {
     static constexpr std::uint32_t drop_period = 4;  // samples between two rounds of removal
     static constexpr std::size_t catch_up_max = 16;  // samples tested at once
     static constexpr std::size_t near = 24;          // samples before which a plan hurries
+    static constexpr std::size_t patience = 8;       // samples that a plan may lack for a while
     static constexpr std::size_t reach = 8;          // samples that a plan behind looks further
     static constexpr std::size_t fit_lasts = 8;      // records that a fit may take
     static constexpr std::size_t start_max = 16;     // samples of a curve that must start at once
@@ -355,6 +356,13 @@ class Search {
         catch_up(v);
         horizon_ = plan_.covers + reach_;
         if (horizon_ > v.count) horizon_ = v.count;
+        const std::size_t behind = v.count - plan_.covers;
+        if (behind < patience && plan_.covers > near && plan_.landing == 0) {
+            horizon_ = plan_.covers;
+            waits_ = behind > 0;
+            return;
+        }
+        waits_ = false;
         const float end = v.samples[horizon_ - 1].u;
         if (horizon_ < v.count)
             while (plan_.size > 0 && static_cast<float>(plan_.knot[plan_.size - 1]) >= end)
@@ -758,6 +766,7 @@ class Search {
     std::size_t sought_{0};
     bool fresh_{false}, seeking_{false}, found_{false}, refitted_{false};
     bool hurried_{false};  // what is not served will be due soon
+    bool waits_{false};    // a few samples more before the plan is mended
     bool fitting_{false}, partial_{false}, doubted_{false}, flat_start_{true};
 };
 
