@@ -118,13 +118,13 @@ class Search {
         credit -= step_cost;
         if (stage_ == Stage::idle) {
             set_horizon(whole);
+            partial_ = horizon_ < whole.count && !waits_;
+            hurried_ = partial_ && plan_.covers < near;
             credit -= horizon_cost + Fitter::pass_cost * static_cast<Credit>(plan_.size);
         }
         View v = whole;
         v.wanted = plan_.covers + 1;
         v.count = horizon_ < whole.count ? horizon_ : whole.count;
-        partial_ = v.count < whole.count && !waits_;
-        hurried_ = partial_ && plan_.covers < near;
         if (!fitter_.busy()) {
             fitting_ = false;
             if (!propose(v, credit)) return false;
