@@ -98,7 +98,8 @@ class Search {
     /// A curve must start now: the longest leading part that one polynomial serves, by halving.
     void start_over(const View& v, Credit& credit) noexcept {
         reset();
-        typename Fitter::Problem part{v.samples, v.count, none_, v.frozen, v.judge, true, v.count};
+        ahead_.size = 0;
+        typename Fitter::Problem part{v.samples, v.count, ahead_, v.frozen, v.judge, true, v.count};
         if (part.count > start_max) part.count = start_max;
         for (; part.count > 0; part.count /= 2) {
             trial_ = {};
@@ -120,6 +121,8 @@ class Search {
             set_horizon(whole);
             partial_ = horizon_ < whole.count && !waits_;
             hurried_ = partial_ && plan_.covers < near;
+            ahead_.size = 0;
+            if (!partial_) ahead_ = whole.ahead;
             credit -= horizon_cost + Fitter::pass_cost * static_cast<Credit>(plan_.size);
         }
         View v = whole;
@@ -131,13 +134,9 @@ class Search {
             if (!fitting_) return true;
             credit -= Fitter::start_cost + Fitter::pass_cost * static_cast<Credit>(trial_.size);
         }
-        if (partial_) {
-            const typename Fitter::Problem known{v.samples, v.count, none_, v.frozen,
-                                                 v.judge,   v.free,  v.wanted};
-            fitter_.run(known, trial_, credit);
-        } else {
-            fitter_.run(v, trial_, credit);
-        }
+        const typename Fitter::Problem problem{v.samples, v.count, ahead_, v.frozen,
+                                               v.judge,   v.free,  v.wanted};
+        fitter_.run(problem, trial_, credit);
         if (!fitter_.busy()) conclude(v, fitter_.succeeded());
         return true;
     }
@@ -749,7 +748,7 @@ class Search {
     }
 
     Fitter fitter_{};
-    typename Fitter::Ahead none_{};
+    typename Fitter::Ahead ahead_{};  // as it was when the search began
     KnotPlan plan_{}, trial_{}, current_{}, best_{};
     std::array<float, MaxKnots> score_{};
     std::array<std::int32_t, MaxKnots> hint_{};
