@@ -64,7 +64,7 @@ class Reducer {
     static constexpr std::size_t horizons = Predictor<Channel>::horizons;
     static constexpr std::size_t max_knots = 8 + N / 8;  // that a plan may hold
     static constexpr std::size_t batch_knots = 4;        // that a frame carries
-    static constexpr std::uint32_t lead = 12;  // records before its due time that a frame is begun
+    static constexpr std::uint32_t lead = 6;   // records before its due time that a frame is begun
     static constexpr std::size_t cover_max = 16;     // samples tested in one step
     static constexpr std::size_t rounding_max = 12;  // samples that choose a knot's rounding
     static constexpr std::int32_t rest_places = 64;  // last places that a stop may cut off
@@ -280,7 +280,7 @@ class Reducer {
 
     /// Coverage is cheap, a knot costs the freedom to place it better: only old ones become final.
     std::uint32_t knot_age(std::uint32_t goal) const noexcept {
-        return goal == 0 ? 0 : (goal + 3 * params_.delay_max) / 4;
+        return goal == 0 ? 0 : (goal + 5 * params_.delay_max) / 6;
     }
 
     std::uint32_t half_way(std::uint32_t goal) const noexcept {
