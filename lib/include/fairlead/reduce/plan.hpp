@@ -42,6 +42,28 @@ struct Plan {
         }
         --size;
     }
+    /// Changes of the jumps after the first that take up a change of the first: together they are a
+    /// multiple of a B-spline, so that nothing changes beyond knot Order. Needs Order + 1 knots.
+    using Absorption = std::array<std::array<float, D>, Order>;
+    Absorption absorption(const std::array<float, D>& change) const noexcept {
+        const auto weight = [this](std::size_t k) {
+            float product = 1;
+            for (std::size_t j = 0; j <= Order; ++j)
+                if (j != k) product *= static_cast<float>(knot[k] - knot[j]);
+            return product;
+        };
+        const float first = weight(0);
+        Absorption out;
+        for (std::size_t k = 1; k <= Order; ++k) {
+            const float share = first / weight(k);
+            for (std::size_t d = 0; d < D; ++d) out[k - 1][d] = share * change[d];
+        }
+        return out;
+    }
+    void absorb(const Absorption& changes) noexcept {
+        for (std::size_t k = 1; k <= Order; ++k)
+            for (std::size_t d = 0; d < D; ++d) jump[k][d] += changes[k - 1][d];
+    }
     /// The first n samples left the window.
     void drop(std::size_t n) noexcept {
         covers -= n < covers ? n : covers;

@@ -66,7 +66,8 @@ class Reducer {
     static constexpr std::size_t batch_knots = 4;        // that a frame carries
     static constexpr std::uint32_t lead = 6;   // records before its due time that a frame is begun
     static constexpr std::size_t cover_max = 16;     // samples tested in one step
-    static constexpr std::size_t rounding_max = 12;  // samples that choose a knot's rounding
+    static constexpr std::size_t rounding_max = 32;  // samples that choose a knot's rounding
+    static constexpr int rounding_tries = 5;
     static constexpr std::int32_t rest_places = 64;  // last places that a stop may cut off
     static constexpr int unsettled_places = 3;  // finer, where the others have not been fitted
     using Value = typename Channel::Value;
@@ -178,6 +179,7 @@ class Reducer {
     using Knots = Search<Channel, N, max_knots, horizons>;
     using Samples = typename Knots::Fitter::Samples;
     using Ahead = typename Knots::Fitter::Ahead;
+    using KnotPlan = typename Knots::KnotPlan;
 
     // what a step of finality costs, in instructions of a Cortex-M4F, about
     static constexpr Credit accept_cost = 120 + 20 * D, freeze_cost = 1500 + 400 * D;
@@ -425,26 +427,40 @@ class Reducer {
         credit_ -= freeze_cost;
     }
 
-    /// Rounds the jump of the first planned knot as coarsely as its interval bears.
+    /// Rounds the jump of the first planned knot as coarsely as its interval bears. The others have
+    /// been fitted to that (`settled`), or take it up as far as they are many, or its error grows to
+    /// the end of the plan.
     void round_jump(typename Frozen::Knot& knot, bool lands) noexcept {
         const Curve<Channel> before = curve_;
         const auto& plan = search_.plan();
         const auto begin = static_cast<float>(plan.knot[0]);
         const float end = plan.size > 1 ? static_cast<float>(plan.knot[1]) : samples_[own_ - 1].u;
         int shift = lands ? 0 : plan.settled;
-        const bool settled = shift >= 0;
-        // the later knots have not been fitted to it: its error grows to the end of the plan
-        if (!settled) shift = jump_shift<Order>(planned_end(end) - begin) - unsettled_places;
-        shift = shift > 0 ? shift : 0;
+        const bool settled = shift >= 0, many = !settled && plan.size > Order;
+        if (!settled)
+            shift = jump_shift<Order>((many ? end : planned_end(end)) - begin) - unsettled_places;
         const auto sent = Channel::to_wire(plan.jump[0], frozen_(begin));
-        for (;;) {  // at most 8 times
+        for (int tries = 0;; ++tries) {
+            shift = shift > 0 && tries < rounding_tries ? shift : 0;
             curve_ = before;
             const float places = power_of_two(fraction_bits(Order - 1) - shift);
             for (std::size_t d = 0; d < D; ++d) knot.jump[d] = to_integer(sent[d] * places);
             knot.shift = static_cast<std::uint8_t>(shift);
             curve_.advance(knot.ticks, knot.jump, knot.shift, params_.tick_ns);
-            if (settled || shift == 0 || serves(begin, end)) return;
-            shift = shift > 4 ? shift - 4 : 0;
+            if (settled) return;
+            const Polynomial<D, Order> p{curve_.span};
+            typename KnotPlan::Absorption taken_up{};
+            if (many) {
+                std::array<float, D> change;
+                for (std::size_t d = 0; d < D; ++d)
+                    change[d] = p.c[Order - 1][d] - frozen_.c[Order - 1][d] - plan.jump[0][d];
+                taken_up = plan.absorption(change);
+            }
+            if (shift == 0 || serves(p, taken_up, many ? Order : 1)) {
+                if (many) search_.absorb(taken_up);
+                return;
+            }
+            shift -= unsettled_places;
         }
     }
 
@@ -455,15 +471,25 @@ class Reducer {
         return end > at_least ? end : at_least;
     }
 
-    /// Does the curve beyond a knot at `begin` serve the samples of its first interval?
-    bool serves(float begin, float end) noexcept {
-        const Polynomial<D, Order> p{curve_.span};
-        const std::size_t covered = search_.plan().covers;
-        for (std::size_t i = 0; i < rounding_max && i < own_ && i < covered; ++i) {
+    /// Does the curve that begins with p at the first planned knot serve the samples of so many
+    /// intervals?
+    bool serves(Polynomial<D, Order> p, const typename KnotPlan::Absorption& changes,
+                std::size_t intervals) noexcept {
+        const auto& plan = search_.plan();
+        auto origin = static_cast<float>(plan.knot[0]);
+        std::size_t knot = 1;
+        for (std::size_t i = 0; i < rounding_max && i < own_ && i < plan.covers; ++i) {
             const auto& sample = samples_[i];
-            if (sample.u > end) break;
+            for (; knot < plan.size && static_cast<float>(plan.knot[knot]) < sample.u; ++knot) {
+                if (knot == intervals) return true;
+                const auto at = static_cast<float>(plan.knot[knot]);
+                p = p.shifted(at - origin);
+                origin = at;
+                for (std::size_t d = 0; d < D; ++d)
+                    p.c[Order - 1][d] += plan.jump[knot][d] + changes[knot - 1][d];
+            }
             credit_ -= Knots::Fitter::test_cost;
-            for (const float e : judge_.errors(p(sample.u - begin), sample.value))
+            for (const float e : judge_.errors(p(sample.u - origin), sample.value))
                 if (e > 0.9995f) return false;
         }
         return true;

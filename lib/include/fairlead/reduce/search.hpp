@@ -77,6 +77,9 @@ class Search {
         if (horizon_ == 0) idle();
     }
 
+    /// The first jump will not be quite as planned: those after it make up for that.
+    void absorb(const typename KnotPlan::Absorption& changes) noexcept { plan_.absorb(changes); }
+
     /// The first planned knot became final, its jump rounded: what is left of the plan, in the new
     /// span's ticks, must be tested again.
     void froze(std::int32_t ticks) noexcept {
@@ -268,7 +271,7 @@ class Search {
             return true;
         }
         if (plan_.landing > 0) return false;  // at rest there is nothing to improve
-        if (plan_.size > 0 && plan_.settled < 0 && static_cast<float>(plan_.knot[0]) < v.soon) {
+        if (plan_.size > 0 && plan_.size <= Order && plan_.settled < 0 && static_cast<float>(plan_.knot[0]) < v.soon) {
             stage_ = Stage::settle;
             cell_ = 0;
             return true;
@@ -356,7 +359,8 @@ class Search {
         horizon_ = plan_.covers + reach_;
         if (horizon_ > v.count) horizon_ = v.count;
         const std::size_t behind = v.count - plan_.covers;
-        if (behind < patience && plan_.covers > near && plan_.landing == 0) {
+        const bool full = plan_.size + 2 > MaxKnots;
+        if ((behind < patience || full) && plan_.covers > near && plan_.landing == 0) {
             horizon_ = plan_.covers;
             waits_ = behind > 0;
             return;
