@@ -128,6 +128,8 @@ class Reducer {
         credit_ = credit_ + slice < slice ? credit_ + slice : slice;
         if (closing || ended()) finalise(false);
     }
+    /// Takes work that was done elsewhere from this push's.
+    void spend(Credit credit) noexcept { credit_ -= credit; }
     /// Spends what is left of it on the search, after take().
     void work() noexcept {
         while (credit_ > 0 && search_.step(view(), credit_)) {
@@ -182,7 +184,8 @@ class Reducer {
     using KnotPlan = typename Knots::KnotPlan;
 
     // what a step of finality costs, in instructions of a Cortex-M4F, about
-    static constexpr Credit accept_cost = 120 + 20 * D, freeze_cost = 1500 + 400 * D;
+    static constexpr Credit accept_cost = 160 + 25 * D, freeze_cost = 1500 + 400 * D,
+                            rounding_cost = 600 + 150 * D, sample_cost = 60;
 
     std::uint32_t since(std::uint16_t record) const noexcept {
         return static_cast<std::uint16_t>(records_ - record);
@@ -253,6 +256,7 @@ class Reducer {
             express(samples_[own_]);
         search_.reset();
         look_ahead();
+        credit_ -= sample_cost * static_cast<Credit>(own_);
     }
 
     /// One step towards what the next frame shall say. @return whether there was one.
@@ -447,6 +451,7 @@ class Reducer {
             for (std::size_t d = 0; d < D; ++d) knot.jump[d] = to_integer(sent[d] * places);
             knot.shift = static_cast<std::uint8_t>(shift);
             curve_.advance(knot.ticks, knot.jump, knot.shift, params_.tick_ns);
+            credit_ -= rounding_cost;
             if (settled) return;
             const Polynomial<D, Order> p{curve_.span};
             typename KnotPlan::Absorption taken_up{};

@@ -109,11 +109,11 @@ class Search {
             fitter_.start(part, 0, 0, limit, trial_);
             Credit ample = 1 << 30;
             fitter_.run(part, trial_, ample);
-            credit -= (1 << 30) - ample;
+            credit -= Fitter::start_cost + (1 << 30) - ample;
             if (fitter_.succeeded()) break;
+            trial_ = {};
         }
         plan_ = trial_;
-        if (part.count == 0) plan_ = {};
     }
 
     /// Goes on with the search. @return false when there is nothing worth doing.

@@ -22,7 +22,7 @@ struct Bytes {
 };
 
 /// Work per push and channel on the search, in instructions of a Cortex-M4F, about.
-inline constexpr Credit slice_small = 15000, slice_medium = 75000, slice_large = 350000;
+inline constexpr Credit slice_small = 24000, slice_medium = 100000, slice_large = 380000;
 
 struct EncoderParams {
     std::array<float, 3> tol_position_m{0.001f, 0.001f, 0.001f};
@@ -119,6 +119,7 @@ class Encoder {
     static constexpr std::size_t frames_max = 8;  // a push completes at most; two always fit
 
   private:
+    static constexpr Credit frame_cost = 3000, byte_cost = 250;
     static constexpr std::int64_t restart_slack = 16;  // a part of the interval
 
     static std::uint32_t goal(const EncoderParams& p) noexcept {
@@ -196,6 +197,11 @@ class Encoder {
             return false;
         }
         seal(restart, io.size());
+        // the search pays for it
+        const Credit cost = frame_cost + byte_cost * static_cast<Credit>(io.size());
+        const bool both = params_.position && params_.orientation;
+        position_.spend(both ? cost / 2 : cost);
+        orientation_.spend(both ? cost / 2 : cost);
         if (!restart) return true;
         last_restart_ns_ = now_ns_;
         events_.repeat();
