@@ -104,7 +104,8 @@ struct VectorChannel {
             return out;
         }
 
-        /// Errors of curve coordinates y at a sample, 1 at the tolerance, part by part: for planning.
+        /// Errors of curve coordinates y at a sample, 1 at the tolerance, part by part: for
+        /// planning.
         std::array<float, parts> errors(const std::array<float, D>& y,
                                         const Value& v) const noexcept {
             std::array<float, parts> e;

@@ -58,18 +58,20 @@ constexpr int start_shift(std::size_t m, int coarse) noexcept {
 
 template <class Channel, std::size_t N>
 class Reducer {
+    static_assert(N >= 2 && N < 32768);  // records are counted in 16 bits
+
   public:
     static constexpr std::size_t D = Channel::dimension;
     static constexpr std::size_t Order = Channel::order;
     static constexpr std::size_t horizons = Predictor<Channel>::horizons;
     static constexpr std::size_t max_knots = 8 + N / 8;  // that a plan may hold
     static constexpr std::size_t batch_knots = 4;        // that a frame carries
-    static constexpr std::uint32_t lead = 6;   // records before its due time that a frame is begun
+    static constexpr std::uint32_t lead = 6;  // records before its due time that a frame is begun
     static constexpr std::size_t cover_max = 16;     // samples tested in one step
     static constexpr std::size_t rounding_max = 32;  // samples that choose a knot's rounding
     static constexpr int rounding_tries = 5;
     static constexpr std::int32_t rest_places = 64;  // last places that a stop may cut off
-    static constexpr int unsettled_places = 3;  // finer, where the others have not been fitted
+    static constexpr int unsettled_places = 3;       // finer, where the others have not been fitted
     using Value = typename Channel::Value;
     using Params = ReduceParams<Channel>;
     using Frozen = Batch<Channel, batch_knots>;
@@ -354,6 +356,8 @@ class Reducer {
 
     /// The exact test, in the decoder's arithmetic.
     bool accepted(const Waiting<Channel>& sample) const noexcept {
+        // after so long a rest the curve starts anew: ticks are counted in 32 bits
+        if (sample.t_ns - curve_.span.t0_ns >= std::int64_t{params_.tick_ns} << 30) return false;
         const float u = ticks_between(curve_.span.t0_ns, sample.t_ns, params_.tick_ns);
         return judge_.accepts(Channel::value(frozen_(u), scale_), sample.value);
     }
@@ -432,8 +436,8 @@ class Reducer {
     }
 
     /// Rounds the jump of the first planned knot as coarsely as its interval bears. The others have
-    /// been fitted to that (`settled`), or take it up as far as they are many, or its error grows to
-    /// the end of the plan.
+    /// been fitted to that (`settled`), or take it up as far as they are many, or its error grows
+    /// to the end of the plan.
     void round_jump(typename Frozen::Knot& knot, bool lands) noexcept {
         const Curve<Channel> before = curve_;
         const auto& plan = search_.plan();

@@ -138,9 +138,8 @@ class SplineSystem {
         for (std::size_t i = 0; i < Order; ++i) {
             const auto& b = basis.c[i];
             std::array<float, Order> half{};  // sums of w B_i s^k
-            each<Order>([&](auto k) {
-                each<Order>([&](auto m) { half[k] += b[m] * sums.w[k + m]; });
-            });
+            each<Order>(
+                [&](auto k) { each<Order>([&](auto m) { half[k] += b[m] * sums.w[k + m]; }); });
             const std::size_t point = base + i;
             const bool given = point < fixed_;
             for (std::size_t j = i; j < Order; ++j) {
@@ -205,9 +204,7 @@ class SplineSystem {
         for (std::size_t j = points(); j-- > k;) {
             const float width = t_[j + Order - k] - t_[j];
             const float f = width > 0 ? static_cast<float>(Order - k) / width : 0;
-            each<W>([&](auto d) {
-                c_[j][from + d] = f * (c_[j][from + d] - c_[j - 1][from + d]);
-            });
+            each<W>([&](auto d) { c_[j][from + d] = f * (c_[j][from + d] - c_[j - 1][from + d]); });
         }
     }
     const Vector& point(std::size_t i) const noexcept { return c_[i]; }
