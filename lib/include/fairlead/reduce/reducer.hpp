@@ -265,6 +265,9 @@ class Reducer {
     bool finalise(bool forced) noexcept { return finalise(forced, ended() ? 0 : params_.goal); }
     bool finalise(bool forced, std::uint32_t goal) noexcept {
         if (samples_.empty()) return false;
+        // whatever the search says: no knot where the curve is final already
+        if (active_ && search_.plan().size > 0 && search_.plan().knot[0] < first_knot_tick())
+            search_.reset();
         const bool wanted = since(samples_.oldest().record) >= goal;
         // a plan that is unsettled or behind keeps half of the room that it has
         const bool steady = search_.steady(own_);
@@ -289,6 +292,10 @@ class Reducer {
     /// Coverage is cheap, a knot costs the freedom to place it better: only old ones become final.
     std::uint32_t knot_age(std::uint32_t goal) const noexcept {
         return goal == 0 ? 0 : (goal + 5 * params_.delay_max) / 6;
+    }
+
+    std::int32_t first_knot_tick() const noexcept {
+        return cover_ticks_ > 1 ? static_cast<std::int32_t>(cover_ticks_) : 1;
     }
 
     std::uint32_t half_way(std::uint32_t goal) const noexcept {

@@ -84,7 +84,8 @@ void Search<Channel, N, MaxKnots, Horizons>::set_horizon(const View& v) noexcept
         const std::int32_t at = hint_[--hints_];
         const bool fits = plan_.size == 0 || plan_.knot[plan_.size - 1] < at;
         const bool later =
-            plan_.covers == 0 || static_cast<float>(at) >= v.samples[plan_.covers - 1].u;
+            at >= first_place(v) &&
+            (plan_.covers == 0 || static_cast<float>(at) >= v.samples[plan_.covers - 1].u);
         if (fits && later && plan_.size < MaxKnots) plan_.insert(at);
     }
 }
