@@ -148,7 +148,7 @@ class Decoder {
         head.payload = first;
         if (first >= 0x80) {
             head.size = 2;
-            head.payload = (first & (head.event ? 0x1fu : 0x3fu)) * 256u;
+            head.payload = (first & (head.event ? 0x1fu : 0x3fu)) * std::size_t{256};
             if (bytes_.size() > 1) head.payload += bytes_[1];
         }
         return head;

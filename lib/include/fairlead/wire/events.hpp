@@ -93,8 +93,8 @@ bool event_item(Io& io, EventItem& item, EventTrace& trace) noexcept {
 }  // namespace wire
 
 /// The sending side: a queue of N events, and the newest one of up to N channels. What is accepted
-/// is sent; what does not fit is refused, counted, and missing in the numbers. Memory: sizeof. N may
-/// be 0.
+/// is sent; what does not fit is refused, counted, and missing in the numbers. Memory: sizeof. N
+/// may be 0.
 template <std::size_t N>
 class EventSender {
     static_assert(N > 0 && 2 * N <= wire::max_events, "a frame holds all events of the sender");
