@@ -4,8 +4,13 @@
 #include <type_traits>
 #include <utility>
 
-/// After a lambda's parameters: written out wherever it is called, however long it is.
+/// Of a function, or after a lambda's parameters: written out wherever it is called, however long
+/// it is; but not where the compiler optimises for size.
+#ifdef __OPTIMIZE_SIZE__
+#define FAIRLEAD_INLINE
+#else
 #define FAIRLEAD_INLINE __attribute__((always_inline))
+#endif
 
 namespace fairlead {
 

@@ -70,10 +70,11 @@ struct Polynomial {
     }
 
     /// Value at u ticks after the knot.
-    [[gnu::always_inline]] std::array<float, D> operator()(float u) const noexcept {
+    FAIRLEAD_INLINE std::array<float, D> operator()(float u) const noexcept {
         std::array<float, D> y = c[Order - 1];
-        each<Order - 1>(
-            [&](auto m) { each<D>([&](auto d) { y[d] = y[d] * u + c[Order - 2 - m][d]; }); });
+        each<Order - 1>([&](std::size_t m) {
+            each<D>([&](std::size_t d) { y[d] = y[d] * u + c[Order - 2 - m][d]; });
+        });
         return y;
     }
 
@@ -81,16 +82,17 @@ struct Polynomial {
     template <std::size_t W>
     Polynomial<W, Order> components(std::size_t from) const noexcept {
         Polynomial<W, Order> out;
-        each<Order>([&](auto m) { each<W>([&](auto d) { out.c[m][d] = c[m][from + d]; }); });
+        each<Order>(
+            [&](std::size_t m) { each<W>([&](std::size_t d) { out.c[m][d] = c[m][from + d]; }); });
         return out;
     }
 
     /// Would a span's integers hold it?
     bool representable() const noexcept {
         bool held = true;
-        each<Order>([&](auto m) {
-            constexpr float most = power_of_two(30 - fraction_bits(m));
-            each<D>([&](auto d) { held = held && approx::abs(c[m][d]) < most; });
+        each<Order>([&](std::size_t m) {
+            const float most = power_of_two(30 - fraction_bits(m));
+            each<D>([&](std::size_t d) { held = held && approx::abs(c[m][d]) < most; });
         });
         return held;
     }
@@ -116,7 +118,7 @@ struct Polynomial {
         each<Order - 1>([&](auto m) {  // repeated synthetic division
             each<Order - 1 - m>([&](auto i) {
                 constexpr std::size_t j = Order - 2 - i;
-                each<D>([&](auto d) { out.c[j][d] += u * out.c[j + 1][d]; });
+                each<D>([&](std::size_t d) { out.c[j][d] += u * out.c[j + 1][d]; });
             });
         });
         return out;

@@ -113,18 +113,18 @@ class SplineSystem {
         std::array<float, 2 * Order - 1> w{};
         std::array<std::array<float, W>, Order> x{};
 
-        [[gnu::always_inline]] void add(const Basis& basis, float u, float weight,
-                                        std::array<float, W> value) noexcept {
+        FAIRLEAD_INLINE void add(const Basis& basis, float u, float weight,
+                                 std::array<float, W> value) noexcept {
             const float s = (u - basis.middle) * basis.per_length;
-            each<W>([&](auto d) { value[d] *= weight; });
-            each<2 * Order - 1>([&](auto k) {
+            each<W>([&](std::size_t d) { value[d] *= weight; });
+            each<2 * Order - 1>([&](std::size_t k) {
                 w[k] += weight;
-                if constexpr (k + 1 < 2 * Order - 1) weight *= s;
+                if (k + 1 < 2 * Order - 1) weight *= s;
             });
-            each<Order>([&](auto k) {
-                each<W>([&](auto d) {
+            each<Order>([&](std::size_t k) {
+                each<W>([&](std::size_t d) {
                     x[k][d] += value[d];
-                    if constexpr (k + 1 < Order) value[d] *= s;
+                    if (k + 1 < Order) value[d] *= s;
                 });
             });
         }
@@ -138,22 +138,25 @@ class SplineSystem {
         for (std::size_t i = 0; i < Order; ++i) {
             const auto& b = basis.c[i];
             std::array<float, Order> half{};  // sums of w B_i s^k
-            each<Order>(
-                [&](auto k) { each<Order>([&](auto m) { half[k] += b[m] * sums.w[k + m]; }); });
+            each<Order>([&](auto k) {
+                each<Order>([&](std::size_t m) { half[k] += b[m] * sums.w[k + m]; });
+            });
             const std::size_t point = base + i;
             const bool given = point < fixed_;
             for (std::size_t j = i; j < Order; ++j) {
                 float a = 0;
-                each<Order>([&](auto k) { a += half[k] * basis.c[j][k]; });
+                each<Order>([&](std::size_t k) { a += half[k] * basis.c[j][k]; });
                 if (!given)
                     a_[point - fixed_][j - i] += a;
                 else if (base + j >= fixed_)
-                    each<W>([&](auto d) { c_[base + j][from + d] -= a * given_[point][from + d]; });
+                    each<W>([&](std::size_t d) {
+                        c_[base + j][from + d] -= a * given_[point][from + d];
+                    });
             }
             if (given) continue;
-            each<W>([&](auto d) {
+            each<W>([&](std::size_t d) {
                 float r = 0;
-                each<Order>([&](auto k) { r += b[k] * sums.x[k][d]; });
+                each<Order>([&](std::size_t k) { r += b[k] * sums.x[k][d]; });
                 c_[point][from + d] += r;
             });
         }
@@ -178,8 +181,8 @@ class SplineSystem {
             constexpr std::size_t j = j0 + 1;
             if (j >= left) return;
             const float f = row[j] * per;
-            each<Order - j>([&](auto k) { a_[i + j][k] -= f * row[j + k]; });
-            each<W>([&](auto d) { c_[i + j + fixed_][from + d] -= f * right[from + d]; });
+            each<Order - j>([&](std::size_t k) { a_[i + j][k] -= f * row[j + k]; });
+            each<W>([&](std::size_t d) { c_[i + j + fixed_][from + d] -= f * right[from + d]; });
         });
     }
     template <std::size_t W>
@@ -187,14 +190,14 @@ class SplineSystem {
         const float per = 1 / a_[i][0];
         const std::size_t left = rows() - i;
         std::array<float, W> v;
-        each<W>([&](auto d) { v[d] = c_[i + fixed_][from + d]; });
+        each<W>([&](std::size_t d) { v[d] = c_[i + fixed_][from + d]; });
         each<Order - 1>([&](auto j0) {
             constexpr std::size_t j = j0 + 1;
             if (j >= left) return;
             const float a = a_[i][j];
-            each<W>([&](auto d) { v[d] -= a * c_[i + j + fixed_][from + d]; });
+            each<W>([&](std::size_t d) { v[d] -= a * c_[i + j + fixed_][from + d]; });
         });
-        each<W>([&](auto d) { c_[i + fixed_][from + d] = v[d] * per; });
+        each<W>([&](std::size_t d) { c_[i + fixed_][from + d] = v[d] * per; });
     }
 
     // ---- its derivatives
@@ -204,7 +207,9 @@ class SplineSystem {
         for (std::size_t j = points(); j-- > k;) {
             const float width = t_[j + Order - k] - t_[j];
             const float f = width > 0 ? static_cast<float>(Order - k) / width : 0;
-            each<W>([&](auto d) { c_[j][from + d] = f * (c_[j][from + d] - c_[j - 1][from + d]); });
+            each<W>([&](std::size_t d) {
+                c_[j][from + d] = f * (c_[j][from + d] - c_[j - 1][from + d]);
+            });
         }
     }
     const Vector& point(std::size_t i) const noexcept { return c_[i]; }
