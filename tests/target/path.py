@@ -11,7 +11,7 @@ import subprocess
 
 
 # what slices limit (all that is charged to them), and what the bits of frames limit
-BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?P<search>(?:Search|Fit|Landing|Polynomial)I)|"
+BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?P<search>(?:Search|Fit|Landing|Polynomial|Plan|PlanWalk|SplineSystem|Reducer)I)|"
                       r"(?P<frames>wire|BitReader|BitWriter))")
 
 
