@@ -4,8 +4,8 @@
 #include <type_traits>
 #include <utility>
 
-/// Of a function, or after a lambda's parameters: written out wherever it is called, however long
-/// it is; but not where the compiler optimises for size.
+/// Before a function, or after a lambda's parameters: written out wherever it is called, however
+/// long it is, unless the compiler optimises for size.
 #ifdef __OPTIMIZE_SIZE__
 #define FAIRLEAD_INLINE
 #else

@@ -115,9 +115,10 @@ struct Polynomial {
     /// The Taylor coefficients about u: the same polynomial seen from a later knot.
     Polynomial shifted(float u) const noexcept {
         Polynomial out = *this;
-        each<Order - 1>([&](auto m) {  // repeated synthetic division
-            each<Order - 1 - m>([&](auto i) {
-                constexpr std::size_t j = Order - 2 - i;
+        each<Order - 1>([&](std::size_t m) {  // repeated synthetic division
+            each<Order - 1>([&](std::size_t i) {
+                const std::size_t j = Order - 2 - i;
+                if (j < m) return;
                 each<D>([&](std::size_t d) { out.c[j][d] += u * out.c[j + 1][d]; });
             });
         });

@@ -82,16 +82,18 @@ class SplineSystem {
         out.middle = begin + length / 2;
         out.per_length = length > 0 ? 1 / length : 0;
         out.c[0][0] = 1;
-        each<Order - 1>([&](auto k0) FAIRLEAD_INLINE {
-            constexpr std::size_t k = k0 + 1;
+        each<Order - 1>([&](std::size_t k0) FAIRLEAD_INLINE {
+            const std::size_t k = k0 + 1;
             std::array<float, Order> carry{};
-            each<k>([&](auto i) FAIRLEAD_INLINE {
+            each<Order - 1>([&](std::size_t i) FAIRLEAD_INLINE {
+                if (i >= k) return;
                 const float right = t_[span + 1 + i], left = t_[span + 1 + i - k];
                 const float per = right > left ? 1 / (right - left) : 0;
                 const float r = (right - out.middle) * per, l = (out.middle - left) * per,
                             slope = length * per;
                 std::array<float, Order> next{};
-                each<k>([&](auto m) {
+                each<Order - 1>([&](std::size_t m) FAIRLEAD_INLINE {
+                    if (m >= k) return;
                     const float b = out.c[i][m];
                     out.c[i][m] = carry[m] + r * b;
                     next[m] += l * b;
@@ -119,12 +121,12 @@ class SplineSystem {
             each<W>([&](std::size_t d) { value[d] *= weight; });
             each<2 * Order - 1>([&](std::size_t k) {
                 w[k] += weight;
-                if (k + 1 < 2 * Order - 1) weight *= s;
+                weight *= s;
             });
-            each<Order>([&](std::size_t k) {
+            each<Order>([&](std::size_t k) FAIRLEAD_INLINE {
                 each<W>([&](std::size_t d) {
                     x[k][d] += value[d];
-                    if (k + 1 < Order) value[d] *= s;
+                    value[d] *= s;
                 });
             });
         }
@@ -138,7 +140,7 @@ class SplineSystem {
         for (std::size_t i = 0; i < Order; ++i) {
             const auto& b = basis.c[i];
             std::array<float, Order> half{};  // sums of w B_i s^k
-            each<Order>([&](auto k) {
+            each<Order>([&](std::size_t k) FAIRLEAD_INLINE {
                 each<Order>([&](std::size_t m) { half[k] += b[m] * sums.w[k + m]; });
             });
             const std::size_t point = base + i;
@@ -177,11 +179,13 @@ class SplineSystem {
         const float per = 1 / row[0];
         auto& right = c_[i + fixed_];
         const std::size_t left = rows() - i;
-        each<Order - 1>([&](auto j0) {
-            constexpr std::size_t j = j0 + 1;
+        each<Order - 1>([&](std::size_t j0) FAIRLEAD_INLINE {
+            const std::size_t j = j0 + 1;
             if (j >= left) return;
             const float f = row[j] * per;
-            each<Order - j>([&](std::size_t k) { a_[i + j][k] -= f * row[j + k]; });
+            each<Order>([&](std::size_t k) FAIRLEAD_INLINE {
+                if (k + j < Order) a_[i + j][k] -= f * row[j + k];
+            });
             each<W>([&](std::size_t d) { c_[i + j + fixed_][from + d] -= f * right[from + d]; });
         });
     }
@@ -191,8 +195,8 @@ class SplineSystem {
         const std::size_t left = rows() - i;
         std::array<float, W> v;
         each<W>([&](std::size_t d) { v[d] = c_[i + fixed_][from + d]; });
-        each<Order - 1>([&](auto j0) {
-            constexpr std::size_t j = j0 + 1;
+        each<Order - 1>([&](std::size_t j0) FAIRLEAD_INLINE {
+            const std::size_t j = j0 + 1;
             if (j >= left) return;
             const float a = a_[i][j];
             each<W>([&](std::size_t d) { v[d] -= a * c_[i + j + fixed_][from + d]; });
