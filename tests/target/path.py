@@ -10,9 +10,9 @@ import re
 import subprocess
 
 
-# what slices limit (all that is charged to them), and what the bits of frames limit
+# what slices limit (all that is charged to them), and what the bytes limit: each is given up or belongs to one frame
 BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?P<search>(?:Search|Fit|Landing|Polynomial|Plan|PlanWalk|SplineSystem|Reducer)I)|"
-                      r"(?P<frames>wire|BitReader|BitWriter))")
+                      r"(?P<frames>wire|Decoder|BitReader|BitWriter))")
 
 
 def read_caps(path):
