@@ -291,7 +291,7 @@ class Reducer {
 
     /// Coverage is cheap, a knot costs the freedom to place it better: only old ones become final.
     std::uint32_t knot_age(std::uint32_t goal) const noexcept {
-        return goal == 0 ? 0 : (goal + 5 * params_.delay_max) / 6;
+        return goal == 0 ? 0 : (goal + 3 * params_.delay_max) / 4;
     }
 
     std::int32_t first_knot_tick() const noexcept {
