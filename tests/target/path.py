@@ -11,7 +11,7 @@ import subprocess
 
 
 # what slices limit (all that is charged to them), and what the bytes limit: each is given up or belongs to one frame
-BUDGETED = re.compile(r"^_ZN?K?8fairlead\d+(?:(?P<search>(?:Search|Fit|Landing|Polynomial|Plan|PlanWalk|SplineSystem|Reducer)I)|"
+BUDGETED = re.compile(r"^_Z+NK?8fairlead\d+(?:(?P<search>(?:Search|Fit|Landing|Polynomial|Plan|PlanWalk|SplineSystem|Reducer)I)|"
                       r"(?P<frames>wire|Decoder|BitReader|BitWriter))")
 
 

@@ -80,7 +80,8 @@ struct VectorChannel {
         template <std::size_t W = D>
         std::array<float, W> coordinates(const Value& v, std::size_t from = 0) const noexcept {
             std::array<float, W> x;
-            each<W>([&](std::size_t d) { x[d] = v[from + d] * per_unit[from + d]; });
+            each<W>([&](std::size_t d)
+                        FAIRLEAD_INLINE { x[d] = v[from + d] * per_unit[from + d]; });
             return x;
         }
 
@@ -109,7 +110,7 @@ struct VectorChannel {
         std::array<float, parts> errors(const std::array<float, D>& y,
                                         const Value& v) const noexcept {
             std::array<float, parts> e;
-            each<D>([&](std::size_t d) {
+            each<D>([&](std::size_t d) FAIRLEAD_INLINE {
                 e[d] = approx::abs(y[d] - v[d] * per_unit[d]) * per_limit[d];
             });
             return e;

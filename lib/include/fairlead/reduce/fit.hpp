@@ -186,7 +186,7 @@ class Fit {
     void assemble(const Problem& problem, Credit& credit, Credit visit) noexcept {
         const std::size_t last = system_.last_span(), at = W == D ? 0 : from();
         std::array<float, W> anchor;
-        each<W>([&](std::size_t d) { anchor[d] = system_.anchor()[at + d]; });
+        each<W>([&](std::size_t d) FAIRLEAD_INLINE { anchor[d] = system_.anchor()[at + d]; });
         const bool even = pass_ == 0, again = pass_ > 1;
         const float scale = scale_, lean = lean_;
         while (credit > 0) {
@@ -205,7 +205,7 @@ class Fit {
                     sample->weight = weight;
                 }
                 std::array<float, W> x = problem.judge.template coordinates<W>(sample->value, at);
-                each<W>([&](std::size_t d) { x[d] -= anchor[d]; });
+                each<W>([&](std::size_t d) FAIRLEAD_INLINE { x[d] -= anchor[d]; });
                 sums.add(b, sample->u, weight, x);
                 left -= visit;
             }
@@ -354,14 +354,15 @@ class Fit {
                 if (sample->u > end) break;
                 const auto e = problem.judge.errors(p(sample->u - origin), sample->value);
                 float most = 0;
-                each<parts>([&](std::size_t k) {
+                each<parts>([&](std::size_t k) FAIRLEAD_INLINE {
                     squares += e[k] * e[k];
                     most = e[k] > most ? e[k] : most;
                 });
                 left -= test_cost;
                 if (most <= limit_) continue;
                 unsigned which = 0;
-                each<parts>([&](std::size_t k) { which |= e[k] <= limit_ ? 0u : 1u << k; });
+                each<parts>([&](std::size_t k)
+                                FAIRLEAD_INLINE { which |= e[k] <= limit_ ? 0u : 1u << k; });
                 miss(plan, i, which, worst, most);
             }
             left -= interval_cost;

@@ -72,8 +72,8 @@ struct Polynomial {
     /// Value at u ticks after the knot.
     FAIRLEAD_INLINE std::array<float, D> operator()(float u) const noexcept {
         std::array<float, D> y = c[Order - 1];
-        each<Order - 1>([&](std::size_t m) {
-            each<D>([&](std::size_t d) { y[d] = y[d] * u + c[Order - 2 - m][d]; });
+        each<Order - 1>([&](std::size_t m) FAIRLEAD_INLINE {
+            each<D>([&](std::size_t d) FAIRLEAD_INLINE { y[d] = y[d] * u + c[Order - 2 - m][d]; });
         });
         return y;
     }
@@ -82,17 +82,19 @@ struct Polynomial {
     template <std::size_t W>
     Polynomial<W, Order> components(std::size_t from) const noexcept {
         Polynomial<W, Order> out;
-        each<Order>(
-            [&](std::size_t m) { each<W>([&](std::size_t d) { out.c[m][d] = c[m][from + d]; }); });
+        each<Order>([&](std::size_t m) FAIRLEAD_INLINE {
+            each<W>([&](std::size_t d) FAIRLEAD_INLINE { out.c[m][d] = c[m][from + d]; });
+        });
         return out;
     }
 
     /// Would a span's integers hold it?
     bool representable() const noexcept {
         bool held = true;
-        each<Order>([&](std::size_t m) {
+        each<Order>([&](std::size_t m) FAIRLEAD_INLINE {
             const float most = power_of_two(30 - fraction_bits(m));
-            each<D>([&](std::size_t d) { held = held && approx::abs(c[m][d]) < most; });
+            each<D>([&](std::size_t d)
+                        FAIRLEAD_INLINE { held = held && approx::abs(c[m][d]) < most; });
         });
         return held;
     }
@@ -115,11 +117,11 @@ struct Polynomial {
     /// The Taylor coefficients about u: the same polynomial seen from a later knot.
     Polynomial shifted(float u) const noexcept {
         Polynomial out = *this;
-        each<Order - 1>([&](std::size_t m) {  // repeated synthetic division
-            each<Order - 1>([&](std::size_t i) {
+        each<Order - 1>([&](std::size_t m) FAIRLEAD_INLINE {  // repeated synthetic division
+            each<Order - 1>([&](std::size_t i) FAIRLEAD_INLINE {
                 const std::size_t j = Order - 2 - i;
                 if (j < m) return;
-                each<D>([&](std::size_t d) { out.c[j][d] += u * out.c[j + 1][d]; });
+                each<D>([&](std::size_t d) FAIRLEAD_INLINE { out.c[j][d] += u * out.c[j + 1][d]; });
             });
         });
         return out;

@@ -118,13 +118,13 @@ class SplineSystem {
         FAIRLEAD_INLINE void add(const Basis& basis, float u, float weight,
                                  std::array<float, W> value) noexcept {
             const float s = (u - basis.middle) * basis.per_length;
-            each<W>([&](std::size_t d) { value[d] *= weight; });
-            each<2 * Order - 1>([&](std::size_t k) {
+            each<W>([&](std::size_t d) FAIRLEAD_INLINE { value[d] *= weight; });
+            each<2 * Order - 1>([&](std::size_t k) FAIRLEAD_INLINE {
                 w[k] += weight;
                 weight *= s;
             });
             each<Order>([&](std::size_t k) FAIRLEAD_INLINE {
-                each<W>([&](std::size_t d) {
+                each<W>([&](std::size_t d) FAIRLEAD_INLINE {
                     x[k][d] += value[d];
                     value[d] *= s;
                 });
@@ -141,24 +141,25 @@ class SplineSystem {
             const auto& b = basis.c[i];
             std::array<float, Order> half{};  // sums of w B_i s^k
             each<Order>([&](std::size_t k) FAIRLEAD_INLINE {
-                each<Order>([&](std::size_t m) { half[k] += b[m] * sums.w[k + m]; });
+                each<Order>([&](std::size_t m)
+                                FAIRLEAD_INLINE { half[k] += b[m] * sums.w[k + m]; });
             });
             const std::size_t point = base + i;
             const bool given = point < fixed_;
             for (std::size_t j = i; j < Order; ++j) {
                 float a = 0;
-                each<Order>([&](std::size_t k) { a += half[k] * basis.c[j][k]; });
+                each<Order>([&](std::size_t k) FAIRLEAD_INLINE { a += half[k] * basis.c[j][k]; });
                 if (!given)
                     a_[point - fixed_][j - i] += a;
                 else if (base + j >= fixed_)
-                    each<W>([&](std::size_t d) {
+                    each<W>([&](std::size_t d) FAIRLEAD_INLINE {
                         c_[base + j][from + d] -= a * given_[point][from + d];
                     });
             }
             if (given) continue;
-            each<W>([&](std::size_t d) {
+            each<W>([&](std::size_t d) FAIRLEAD_INLINE {
                 float r = 0;
-                each<Order>([&](std::size_t k) { r += b[k] * sums.x[k][d]; });
+                each<Order>([&](std::size_t k) FAIRLEAD_INLINE { r += b[k] * sums.x[k][d]; });
                 c_[point][from + d] += r;
             });
         }
@@ -186,7 +187,8 @@ class SplineSystem {
             each<Order>([&](std::size_t k) FAIRLEAD_INLINE {
                 if (k + j < Order) a_[i + j][k] -= f * row[j + k];
             });
-            each<W>([&](std::size_t d) { c_[i + j + fixed_][from + d] -= f * right[from + d]; });
+            each<W>([&](std::size_t d)
+                        FAIRLEAD_INLINE { c_[i + j + fixed_][from + d] -= f * right[from + d]; });
         });
     }
     template <std::size_t W>
@@ -194,14 +196,15 @@ class SplineSystem {
         const float per = 1 / a_[i][0];
         const std::size_t left = rows() - i;
         std::array<float, W> v;
-        each<W>([&](std::size_t d) { v[d] = c_[i + fixed_][from + d]; });
+        each<W>([&](std::size_t d) FAIRLEAD_INLINE { v[d] = c_[i + fixed_][from + d]; });
         each<Order - 1>([&](std::size_t j0) FAIRLEAD_INLINE {
             const std::size_t j = j0 + 1;
             if (j >= left) return;
             const float a = a_[i][j];
-            each<W>([&](std::size_t d) { v[d] -= a * c_[i + j + fixed_][from + d]; });
+            each<W>([&](std::size_t d)
+                        FAIRLEAD_INLINE { v[d] -= a * c_[i + j + fixed_][from + d]; });
         });
-        each<W>([&](std::size_t d) { c_[i + fixed_][from + d] = v[d] * per; });
+        each<W>([&](std::size_t d) FAIRLEAD_INLINE { c_[i + fixed_][from + d] = v[d] * per; });
     }
 
     // ---- its derivatives
@@ -211,7 +214,7 @@ class SplineSystem {
         for (std::size_t j = points(); j-- > k;) {
             const float width = t_[j + Order - k] - t_[j];
             const float f = width > 0 ? static_cast<float>(Order - k) / width : 0;
-            each<W>([&](std::size_t d) {
+            each<W>([&](std::size_t d) FAIRLEAD_INLINE {
                 c_[j][from + d] = f * (c_[j][from + d] - c_[j - 1][from + d]);
             });
         }
