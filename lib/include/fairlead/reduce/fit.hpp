@@ -372,13 +372,13 @@ class Fit {
         plan.worst = worst;
         cursor_ = i;
         if (cursor_ < count_) return;
-        plan.objective = squares_ + misfit(problem, 0, D);
+        plan.objective = squares_ + misfit(problem);
         credit -= test_cost * static_cast<Credit>(problem.ahead.size);
         if (missed_ != 0 && passes_ > 0 && plan.worst <= hopeless) {
             lone_ = true;
             plan.worst = limit_;
             plan.covers = count_;
-            return next_part(problem, plan);
+            return next_part();
         }
         succeeded_ = missed_ == 0;
         phase_ = Phase::done;
@@ -447,7 +447,7 @@ class Fit {
         cursor_ = i;
         if (cursor_ < count_) return;
         if (parts == 1 && pass_ == 0) {
-            plan.objective = tally_.weighted + misfit(problem, 0, D);
+            plan.objective = tally_.weighted + misfit(problem);
             credit -= test_cost * static_cast<Credit>(problem.ahead.size);
         }
         decide(problem, plan);
@@ -483,12 +483,12 @@ class Fit {
             passes_ = 0;  // it fails, but how far does it serve?
         }
         missed_ &= ~(1u << part_);
-        if (missed_ != 0) return next_part(problem, plan);
+        if (missed_ != 0) return next_part();
         succeeded_ = plan.covers == count_;
         phase_ = Phase::done;
     }
 
-    void next_part(const Problem&, const KnotPlan&) noexcept {
+    void next_part() noexcept {
         part_ = 0;
         while (part_ + 1 < parts && (missed_ >> part_ & 1u) == 0) ++part_;
         pass_ = 0;
@@ -497,11 +497,12 @@ class Fit {
         start_part();
     }
 
-    float misfit(const Problem& problem, std::size_t low, std::size_t high) const noexcept {
+    /// How far the last polynomial passes the future.
+    float misfit(const Problem& problem) const noexcept {
         float sum = 0;
         for (std::size_t i = 0; i < problem.ahead.size; ++i) {
             const Vector y = walk_.p(problem.ahead.u[i] - walk_.origin);
-            for (std::size_t d = low; d < high; ++d) {
+            for (std::size_t d = 0; d < D; ++d) {
                 const float e = (problem.ahead.x[i][d] - y[d]) * problem.judge.per_limit[d];
                 sum += problem.ahead.weight[i] * e * e;
             }
