@@ -379,14 +379,11 @@ class Search {
     std::array<float, D> mid_{};
     Stage stage_{Stage::idle};
     Goal goal_{Goal::insertion};
-    std::size_t head_{0}, first_{0}, last_{0}, rounds_{0}, budget_{0}, scale_{0}, knot_{0},
-        cell_{0};
-    std::size_t places_{0}, tried_{0}, level_{0}, polished_{0}, hints_{0};
+    std::size_t head_{0}, first_{0}, budget_{0}, knot_{0}, cell_{0};
+    std::size_t places_{0}, tried_{0}, level_{0}, polished_{0}, hints_{0}, sought_{0};
     std::size_t stuck_at_{0}, horizon_{0}, reach_{reach};
     std::uint32_t age_{0};
-    float low_worst_{0}, cell_low_{0}, cell_high_{0}, merit_{0};
-    float damping_{1};
-    std::size_t sought_{0};
+    float low_worst_{0}, cell_low_{0}, cell_high_{0}, merit_{0}, damping_{1};
     bool fresh_{false}, seeking_{false}, found_{false}, refitted_{false};
     bool hurried_{false};  // what is not served will be due soon
     bool waits_{false};    // a few samples more before the plan is mended
