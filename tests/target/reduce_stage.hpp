@@ -49,20 +49,21 @@ struct ReduceStage {
         reducer.allot(Slice, reducer.closing());
         std::optional<Output> out;
         constexpr int takes_max = 2;  // as many as the encoder makes frames
-        for (int i = 0; i < takes_max && reducer.due(); ++i) out = taken();
+        for (int i = 0; i < takes_max && reducer.due(); ++i) out = taken(i + 1 == takes_max);
         reducer.work();
         return out;
     }
     std::optional<Output> flush() {
         if (reducer.empty()) return std::nullopt;
         reducer.close(Slice);
-        return taken();
+        return taken(false);
     }
 
   private:
-    Output taken() {
+    Output taken(bool last) {
         const auto& counters = reducer.counters();
-        return {reducer.take(), counters.knots, counters.curves, counters.breaks, counters.refused};
+        return {reducer.take(last), counters.knots, counters.curves, counters.breaks,
+                counters.refused};
     }
 };
 

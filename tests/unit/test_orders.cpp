@@ -84,8 +84,8 @@ Result reduce(const Track& track, float tol) {
                 out.worst = std::max(out.worst, std::abs(off) / double{tols[d]});
             }
     };
-    const auto take = [&] {
-        const auto batch = reducer->take();
+    const auto take = [&](bool last) {
+        const auto batch = reducer->take(last);
         if (batch.begins) {
             curve = batch.start;
             out.control_points += Order;
@@ -107,13 +107,13 @@ Result reduce(const Track& track, float tol) {
         reducer->push(track.t_ns[i], p, false);
         out.longest = std::max(out.longest, reducer->age());
         reducer->allot(slice_large, reducer->closing());
-        for (int frames = 0; reducer->due() && frames < 3; ++frames) take();
+        for (int frames = 0; reducer->due() && frames < 2; ++frames) take(frames == 1);
         EXPECT_FALSE(reducer->due()) << "record " << i;
         reducer->work();
     }
     while (!reducer->empty()) {
         reducer->close(slice_large);
-        take();
+        take(false);
     }
     EXPECT_EQ(out.checked, track.t_ns.size());
     EXPECT_EQ(reducer->counters().refused, 0u);

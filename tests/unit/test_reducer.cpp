@@ -39,8 +39,8 @@ Outcome reduce(const std::vector<typename Channel::Value>& samples,
         typename Reduction::Params{tol, static_cast<std::uint32_t>(period_ns / 2), N, N / 3});
     reducer->set_epoch(start_ns);
     Outcome out;
-    const auto take = [&] {
-        const auto batch = reducer->take();
+    const auto take = [&](bool last) {
+        const auto batch = reducer->take(last);
         Choice choice{batch.begins, batch.covers, {}};
         if (batch.begins) {
             out.control_points += Channel::order;
@@ -60,13 +60,13 @@ Outcome reduce(const std::vector<typename Channel::Value>& samples,
         reducer->push(start_ns + static_cast<std::int64_t>(i) * period_ns, samples[i], false);
         out.longest = std::max(out.longest, reducer->age());
         reducer->allot(slice, reducer->closing());
-        for (int frames = 0; reducer->due() && frames < 2; ++frames) take();
+        for (int frames = 0; reducer->due() && frames < 2; ++frames) take(frames == 1);
         EXPECT_FALSE(reducer->due()) << "record " << i;
         reducer->work();
     }
     while (!reducer->empty()) {
         reducer->close(slice);
-        take();
+        take(false);
     }
     out.breaks = reducer->counters().breaks;
     return out;

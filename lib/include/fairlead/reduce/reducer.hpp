@@ -149,9 +149,11 @@ class Reducer {
                          : (samples_.empty() ? 0 : since(samples_.oldest().record));
     }
 
-    /// What has become final since the last call; where a sample is due, that it is covered.
-    /// Call again while due().
-    Frozen take() noexcept {
+    /// What has become final since the last call; where a sample is due, that it is covered, if the
+    /// knots before it fit in. Else call again with `last`: what was final already covers it, or
+    /// the curve starts anew there.
+    Frozen take(bool last = false) noexcept {
+        if (last && active_ && uncovered_due() && !cover(params_.delay_max)) break_curve();
         // each knot and each stretch of coverage once, and the start of a curve
         for (std::size_t i = 0; i < 2 * batch_knots + 2 && uncovered_due(); ++i)
             if (!finalise(true)) break;

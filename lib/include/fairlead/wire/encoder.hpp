@@ -76,10 +76,10 @@ class Encoder {
         const bool closing = position_.closing() || orientation_.closing() || restart_due(lead_ns);
         position_.allot(slice_, closing);
         orientation_.allot(slice_, closing);
-        // rarely more than one: where a curve starts, or knots crowd before a sample that is due
-        for (std::size_t i = 0; i < frames_max && room(); ++i) {
+        // rarely two: where knots crowd before a sample that is due, or a curve starts
+        for (std::size_t i = 0; i < max_frames; ++i) {
             if (!position_.due() && !orientation_.due() && !restart_due()) break;
-            frame();
+            frame(i + 1 == max_frames);
         }
         position_.work();
         orientation_.work();
@@ -104,7 +104,7 @@ class Encoder {
         if (!position_.empty() || !orientation_.empty()) {
             position_.close(slice_);
             orientation_.close(slice_);
-            frame();
+            frame(false);
         }
         let_out_events(0);
         position_gap_ = orientation_gap_ = true;  // what comes later starts new curves
@@ -116,7 +116,7 @@ class Encoder {
     std::uint32_t frames() const noexcept { return sequence_; }
     std::uint32_t refused_events() const noexcept { return events_.refused(); }
 
-    static constexpr std::size_t frames_max = 8;  // a push completes at most; two always fit
+    static constexpr std::size_t max_frames = 2;  // a push completes at most
 
   private:
     static constexpr Credit frame_cost = 3000, byte_cost = 250;
@@ -151,19 +151,14 @@ class Encoder {
                now_ns_ - last_restart_ns_ >= params_.restart_interval_ns - soon_ns;
     }
 
-    /// Is there room for one more frame of any size, and for the events?
-    bool room() const noexcept {
-        return size_ + wire::max_frame + EventSender<Events>::frame_size_max <= out_.size();
-    }
-
     void let_out_events(std::uint32_t hold) noexcept {
         size_ += events_.frame(out_.data() + size_, hold);
     }
 
     /// One frame with what both channels can make final.
-    void frame() noexcept {
-        const auto position = position_.take();
-        const auto orientation = orientation_.take();
+    void frame(bool last) noexcept {
+        const auto position = position_.take(last);
+        const auto orientation = orientation_.take(last);
         // rather a little early than with one more frame
         if (restart_wanted_ || restart_due(params_.restart_interval_ns / restart_slack)) {
             restart_wanted_ = !write(true, position, orientation);  // no room: with the next
@@ -242,7 +237,8 @@ class Encoder {
     wire::Link<OrientationChannel> orientation_link_{};
     wire::Header header_{};
     EventSender<Events> events_{};
-    std::array<std::uint8_t, 2 * wire::max_frame + EventSender<Events>::frame_size_max> out_{};
+    std::array<std::uint8_t, max_frames * wire::max_frame + EventSender<Events>::frame_size_max>
+        out_{};
     std::size_t size_{0};
     std::uint32_t sequence_{0};
     std::int64_t now_ns_{0}, epoch_ns_{0}, last_restart_ns_{0};
