@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 #include <vector>
 
@@ -169,4 +170,20 @@ TEST(Layout, TheDearestContentsOfBothChannelsFitIntoAFrame) {
     wire::content(out, position, a, 0, tick_ns);
     wire::content(out, orientation, b, 0, tick_ns);
     EXPECT_TRUE(out.ok()) << "more than " << wire::max_payload << " bytes";
+}
+
+TEST(Layout, ACurveThatGoesOnAsBeforeTakesFiveBits) {
+    wire::Link<VectorChannel<3>> link;
+    link.active = true;
+    link.stride = 40;
+    std::array<std::uint8_t, 16> memory{};
+    BitWriter out{memory.data(), memory.size()};
+    for (int frame = 0; frame < 8; ++frame) {
+        Frozen<VectorChannel<3>> batch;
+        batch.covers = true;
+        batch.cover_ticks = link.cover_ticks + 40;
+        wire::content(out, link, batch, 0, tick_ns);
+        link.cover_ticks = batch.cover_ticks;
+    }
+    EXPECT_EQ(out.size(), 5u);
 }

@@ -191,14 +191,12 @@ bool content(Io& io, Link<Channel>& link, Batch<Channel, MaxKnots>& batch, std::
     if (!link.enabled || !flag(io, batch.begins || batch.size || batch.covers)) return io.ok();
     Curve<Channel> curve = link.curve;
     std::uint32_t covered = link.cover_ticks;
-    if (flag(io, !batch.begins && batch.covers)) {
+    if (flag(io, !batch.begins && batch.covers)) {  // as nearly always: one bit
         batch.covers = true;
     } else {
         batch.covers = flag(io, batch.covers);
         batch.begins = flag(io, batch.begins);
     }
-    if (!flag(io, batch.begins || batch.size || batch.covers)) return io.ok();
-    batch.begins = flag(io, batch.begins);
     if (batch.begins) {
         batch.breaks = flag(io, batch.breaks);
         begin(io, link, batch.coarse, batch.start, base_ns, tick_ns);
