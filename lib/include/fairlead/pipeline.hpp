@@ -63,10 +63,11 @@ class Pipeline {
         return encoder_.idle();
     }
 
-    /// Lets out what is still inside. @return frames; call until there are none.
+    /// Lets out what is still inside. @return frames; call until there are none. A call costs no
+    /// more than a push: what the filter still holds goes in without a search.
     Bytes flush() noexcept {
         while ((filtered_ = filter_.flush())) {
-            const Bytes bytes = encoder_.push(*filtered_);
+            const Bytes bytes = encoder_.push(*filtered_, false);
             if (!bytes.empty()) return bytes;
         }
         return encoder_.flush();

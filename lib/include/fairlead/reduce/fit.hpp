@@ -114,7 +114,7 @@ class Fit {
 
   private:
     static constexpr float unrepresentable = 10;  // stands for the error of such a polynomial
-    static constexpr float hopeless = 4;          // reweighting will not mend such an error
+    static constexpr float hopeless = 3;          // reweighting will not mend such an error
     enum class Phase : std::uint8_t { done, assemble, factor, substitute, check, check_part };
     using System = SplineSystem<D, Order, MaxKnots>;
 
@@ -131,20 +131,7 @@ class Fit {
         future_ = 1;
         base_ = Walk{problem.frozen, problem.free && head > 0, plan};
         for (std::size_t q = 0; q < head; ++q) base_.pass_knot(plan);
-        first_ = head > 0 ? samples_until(problem, base_.origin) : 0;
-    }
-
-    /// How many leading samples stand at or before u, by halving.
-    std::size_t samples_until(const Problem& problem, float u) const noexcept {
-        std::size_t low = 0, high = count_;
-        while (low < high) {
-            const std::size_t middle = (low + high) / 2;
-            if (problem.samples[middle].u <= u)
-                low = middle + 1;
-            else
-                high = middle;
-        }
-        return low;
+        first_ = head > 0 ? samples_until(problem.samples, count_, base_.origin) : 0;
     }
 
     // ---- the system
@@ -159,7 +146,7 @@ class Fit {
             for (int times = doubled_ ? 2 : 1; times > 0; --times)
                 system_.add_knot(static_cast<float>(plan.knot[q]));
         system_.close((last > begin ? last : begin) + 2);
-        begin_ = leaves_ ? samples_until(problem, begin) : first_;
+        begin_ = leaves_ ? samples_until(problem.samples, count_, begin) : first_;
         if (!leaves_) return;
         const auto at = base_.p.shifted(begin - base_.origin);
         system_.give(at);
@@ -325,74 +312,11 @@ class Fit {
     }
 
     // ---- its errors: the very polynomials that would be frozen, over the samples beyond the head
-    void start_check(KnotPlan& plan) noexcept {
-        plan.worst = 0;
-        plan.worst_at = first_;
-        plan.covers = count_;
-        plan.objective = 0;
-        squares_ = 0;
-        missed_ = 0;
-        part_ = 0;
-        if constexpr (parts == 1) return start_part();
-        walk_ = base_;
-        cursor_ = first_;
-        phase_ = Phase::check;
-    }
-
+    void start_check(KnotPlan& plan) noexcept;
     /// All parts at once: which of them miss the limit?
-    void check(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept {
-        float squares = squares_, worst = plan.worst > limit_ ? plan.worst : limit_;
-        std::size_t i = cursor_;
-        Credit left = credit;
-        while (i < count_ && left > 0) {  // interval by interval
-            auto* sample = &problem.samples[i];
-            walk_.to(sample->u, plan);
-            const Polynomial<D, Order> p = walk_.p;
-            const float origin = walk_.origin, end = walk_.end(plan);
-            if (!p.representable()) miss(plan, i, (1u << parts) - 1, worst, unrepresentable);
-            for (; i < count_ && left > 0; ++i, sample = problem.samples.after(sample)) {
-                if (sample->u > end) break;
-                const auto e = problem.judge.errors(p(sample->u - origin), sample->value);
-                float most = 0;
-                each<parts>([&](std::size_t k) FAIRLEAD_INLINE {
-                    squares += e[k] * e[k];
-                    most = e[k] > most ? e[k] : most;
-                });
-                left -= test_cost;
-                if (most <= limit_) continue;
-                unsigned which = 0;
-                each<parts>([&](std::size_t k)
-                                FAIRLEAD_INLINE { which |= e[k] <= limit_ ? 0u : 1u << k; });
-                miss(plan, i, which, worst, most);
-            }
-            left -= interval_cost;
-        }
-        credit = left;
-        squares_ = squares;
-        plan.worst = worst;
-        cursor_ = i;
-        if (cursor_ < count_) return;
-        plan.objective = squares_ + misfit(problem);
-        credit -= test_cost * static_cast<Credit>(problem.ahead.size);
-        if (missed_ != 0 && passes_ > 0 && plan.worst <= hopeless) {
-            lone_ = true;
-            plan.worst = limit_;
-            plan.covers = count_;
-            return next_part();
-        }
-        succeeded_ = missed_ == 0;
-        phase_ = Phase::done;
-    }
-
+    void check(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept;
     /// Sample i is not served.
-    void miss(KnotPlan& plan, std::size_t i, unsigned which, float& worst, float e) noexcept {
-        missed_ |= which;
-        plan.covers = i < plan.covers ? i : plan.covers;
-        if (e <= worst) return;
-        worst = e;
-        plan.worst_at = i;
-    }
-
+    void miss(KnotPlan& plan, std::size_t i, unsigned which, float& worst, float e) noexcept;
     /// Sums over the tested samples of one part: w e, w e^2.
     struct Tally {
         float leaning{0}, weighted{0};
@@ -408,107 +332,14 @@ class Fit {
         cursor_ = first_;
         phase_ = Phase::check_part;
     }
-
-    void check_part(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept {
-        Tally tally = tally_;
-        float worst = worst_;
-        std::size_t i = cursor_, worst_at = worst_at_;
-        const std::size_t at = part_ * Width;
-        const bool even = pass_ == 0;
-        Credit left = credit;
-        while (i < count_ && left > 0) {  // interval by interval
-            auto* sample = &problem.samples[i];
-            walk_.to(sample->u, plan);
-            const auto p = walk_.p.template components<Width>(at);
-            const float origin = walk_.origin, end = walk_.end(plan);
-            if (!p.representable()) {
-                covers_ = i < covers_ ? i : covers_;
-                worst = worst > unrepresentable ? worst : unrepresentable;
-            }
-            for (; i < count_ && left > 0; ++i, sample = problem.samples.after(sample)) {
-                if (sample->u > end) break;
-                const float e = problem.judge.error(part_, p(sample->u - origin), sample->value);
-                const float we = even ? e : sample->weight * e;
-                sample->error = e;
-                tally.leaning += we;
-                tally.weighted += we * e;
-                left -= part_cost;
-                if (e <= worst) continue;
-                worst = e;
-                worst_at = i;
-                if (!(e <= limit_) && covers_ == count_) covers_ = i;
-            }
-            left -= interval_cost;
-        }
-        credit = left;
-        worst_ = worst;
-        worst_at_ = worst_at;
-        tally_ = tally;
-        cursor_ = i;
-        if (cursor_ < count_) return;
-        if (parts == 1 && pass_ == 0) {
-            plan.objective = tally_.weighted + misfit(problem);
-            credit -= test_cost * static_cast<Credit>(problem.ahead.size);
-        }
-        decide(problem, plan);
-    }
-
+    void check_part(const Problem& problem, KnotPlan& plan, Credit& credit) noexcept;
     /// Another pass over this part?
-    void decide(const Problem& problem, KnotPlan& plan) noexcept {
-        const bool served = covers_ == count_;
-        best_ = worst_ < best_ ? worst_ : best_;
-        const float n = static_cast<float>(count_ - first_);
-        // the weighted mean square is a lower bound of the squared minimax error
-        const bool over = served || pass_ >= passes_ || worst_ > hopeless ||
-                          (pass_ >= 2 && tally_.weighted > n * limit_ * limit_) ||
-                          (pass_ >= 3 && best_ > 1 + 2.0f / static_cast<float>(pass_));
-        if (over) return judged(problem, plan, served);
-        ++pass_;
-        future_ *= 0.3f;
-        lean_ = 1 / worst_;
-        scale_ = n / (0.02f * n + tally_.leaning * lean_);
-        start_pass();
-    }
-
+    void decide(const Problem& problem, KnotPlan& plan) noexcept;
     /// On to the next part, unless it is plain that the plan is of no use.
-    void judged(const Problem& problem, KnotPlan& plan, bool served) noexcept {
-        const float worst = served ? worst_ : best_;
-        if (!(worst <= plan.worst)) {
-            plan.worst = worst;
-            plan.worst_at = worst_at_;
-        }
-        plan.covers = covers_ < plan.covers ? covers_ : plan.covers;
-        if (!served) {
-            if (plan.covers <= problem.wanted && passes_ > 0) missed_ = 0;
-            passes_ = 0;  // it fails, but how far does it serve?
-        }
-        missed_ &= ~(1u << part_);
-        if (missed_ != 0) return next_part();
-        succeeded_ = plan.covers == count_;
-        phase_ = Phase::done;
-    }
-
-    void next_part() noexcept {
-        part_ = 0;
-        while (part_ + 1 < parts && (missed_ >> part_ & 1u) == 0) ++part_;
-        pass_ = 0;
-        scale_ = 0;
-        future_ = 1;
-        start_part();
-    }
-
+    void judged(const Problem& problem, KnotPlan& plan, bool served) noexcept;
+    void next_part() noexcept;
     /// How far the last polynomial passes the future.
-    float misfit(const Problem& problem) const noexcept {
-        float sum = 0;
-        for (std::size_t i = 0; i < problem.ahead.size; ++i) {
-            const Vector y = walk_.p(problem.ahead.u[i] - walk_.origin);
-            for (std::size_t d = 0; d < D; ++d) {
-                const float e = (problem.ahead.x[i][d] - y[d]) * problem.judge.per_limit[d];
-                sum += problem.ahead.weight[i] * e * e;
-            }
-        }
-        return sum;
-    }
+    float misfit(const Problem& problem) const noexcept;
 
     System system_{};
     std::array<float, MaxKnots> shift_{};
@@ -528,3 +359,5 @@ class Fit {
 };
 
 }  // namespace fairlead
+
+#include "fairlead/reduce/fit_judging.hpp"

@@ -108,6 +108,8 @@ struct PlanWalk {
         origin = knot;
         for (std::size_t d = 0; d < D; ++d) p.c[Order - 1][d] += plan.jump[next][d];
         ++next;
+        if (plan.landing == 0 || next < plan.size) return;
+        for (std::size_t m = 1; m < Order; ++m) p.c[m] = {};  // it will be a stop
     }
     /// On to the polynomial at u, which must not fall: at most MaxKnots knots in all are passed.
     void to(float u, const Plan<Channel, MaxKnots>& plan) noexcept {

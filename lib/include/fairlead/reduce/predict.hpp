@@ -94,8 +94,7 @@ class LinearModel {
     float variance_{0};
 };
 
-/// Two horizons, both short: on the tracker recordings four more, of 16 to 52 samples, made streams
-/// of windows up to 120 records up to 12 % longer.
+/// Two horizons, both short: farther ones were tried, and made streams longer rather than shorter.
 template <class Channel>
 class Predictor {
   public:

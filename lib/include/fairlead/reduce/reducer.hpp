@@ -50,9 +50,9 @@ struct Batch {
 inline constexpr std::uint8_t stop_shift = 31;
 
 /// Places by which the start's coefficient of power m is rounded when its first interval is
-/// 2^coarse ticks.
+/// 2^coarse ticks: less than a jump's, since nothing before it can make up for it.
 constexpr int start_shift(std::size_t m, int coarse) noexcept {
-    const int places = fraction_bits(m) - 4 - static_cast<int>(m) * coarse;
+    const int places = fraction_bits(m) - rounding_places - 3 - static_cast<int>(m) * coarse;
     return places > 0 ? places : 0;
 }
 
@@ -66,12 +66,9 @@ class Reducer {
     static constexpr std::size_t horizons = Predictor<Channel>::horizons;
     static constexpr std::size_t max_knots = 8 + N / 8;  // that a plan may hold
     static constexpr std::size_t batch_knots = 4;        // that a frame carries
-    static constexpr std::uint32_t lead = 6;  // records before its due time that a frame is begun
-    static constexpr std::size_t cover_max = 16;     // samples tested in one step
-    static constexpr std::size_t rounding_max = 32;  // samples that choose a knot's rounding
-    static constexpr int rounding_tries = 5;
-    static constexpr std::int32_t rest_places = 64;  // last places that a stop may cut off
-    static constexpr int unsettled_places = 3;       // finer, where the others have not been fitted
+    static constexpr std::size_t cover_max = 16;         // samples tested in one step
+    static constexpr std::size_t rounding_max = 128;     // samples that choose a knot's rounding
+    static constexpr std::int32_t rest_places = 64;      // last places that a stop may cut off
     using Value = typename Channel::Value;
     using Params = ReduceParams<Channel>;
     using Frozen = Batch<Channel, batch_knots>;
@@ -141,7 +138,11 @@ class Reducer {
     /// Must take() be called before the next record?
     bool due() const noexcept { return !empty() && age() >= params_.delay_max; }
     /// Will it be so soon?
-    bool closing() const noexcept { return !empty() && age() + lead >= params_.delay_max; }
+    bool closing() const noexcept { return !empty() && age() + lead() >= params_.delay_max; }
+    /// Records before its due time that a frame is begun: a record is a step of finality.
+    std::uint32_t lead() const noexcept {
+        return params_.delay_max > 60 ? params_.delay_max / 10 : 6;
+    }
     bool empty() const noexcept { return samples_.empty() && !pending(); }
     /// Records that the oldest sample has waited whose coverage has not been taken.
     std::uint32_t age() const noexcept {
@@ -209,7 +210,7 @@ class Reducer {
 
     /// Samples from here on will stay open for a while.
     float soon() const noexcept {
-        const std::uint32_t open = params_.goal > lead ? params_.goal - lead : 0;
+        const std::uint32_t open = params_.goal > lead() ? params_.goal - lead() : 0;
         const std::uint32_t newest = own_ > 0 ? since(samples_[own_ - 1].record) : 0;
         const std::size_t left = open > newest ? open - newest : 0;
         return own_ > left ? samples_[own_ - 1 - left].u : 0;
@@ -265,253 +266,47 @@ class Reducer {
 
     /// One step towards what the next frame shall say. @return whether there was one.
     bool finalise(bool forced) noexcept { return finalise(forced, ended() ? 0 : params_.goal); }
-    bool finalise(bool forced, std::uint32_t goal) noexcept {
-        if (samples_.empty()) return false;
-        // whatever the search says: no knot where the curve is final already
-        if (active_ && search_.plan().size > 0 && search_.plan().knot[0] < first_knot_tick())
-            search_.reset();
-        const bool wanted = since(samples_.oldest().record) >= goal;
-        // a plan that is unsettled or behind keeps half of the room that it has
-        const bool steady = search_.steady(own_);
-        if (!forced && !(wanted && steady)) return false;
-        if (!active_) {
-            if (pending() || (!forced && search_.plan().covers == 0)) return false;
-            begin_curve(false);
-            return true;
-        }
-        if (cover(steady ? goal : half_way(goal))) return true;
-        if (search_.plan().size > 0 && !before_knot(0)) {
-            if (out_.size == batch_knots) return false;
-            if (!forced && since(samples_[0].record) < knot_age(goal)) return false;
-            freeze();
-            return true;
-        }
-        if (!forced || pending()) return false;
-        break_curve();
-        return true;
-    }
-
+    bool finalise(bool forced, std::uint32_t goal) noexcept;
     /// Coverage is cheap, a knot costs the freedom to place it better: only old ones become final.
     std::uint32_t knot_age(std::uint32_t goal) const noexcept {
         return goal == 0 ? 0 : (goal + 3 * params_.delay_max) / 4;
     }
-
     std::int32_t first_knot_tick() const noexcept {
         return cover_ticks_ > 1 ? static_cast<std::int32_t>(cover_ticks_) : 1;
     }
-
-    std::uint32_t half_way(std::uint32_t goal) const noexcept {
-        const std::size_t covers = search_.plan().covers;
-        const std::uint32_t age = since(samples_[(covers < own_ ? covers : own_) / 2].record);
-        return age > goal ? age : goal;
-    }
-
+    std::uint32_t half_way(std::uint32_t goal) const noexcept;
     /// The start of a curve becomes final, rounded for the interval it was planned for.
-    void begin_curve(bool breaks) noexcept {
-        const auto& plan = search_.plan();
-        Polynomial<D, Order> start = frozen_;
-        if (plan.covers > 0) start.c = plan.start;
-        const std::size_t last = plan.covers > 0 ? plan.covers - 1 : 0;
-        emit_start(start, plan.size ? static_cast<float>(plan.knot[0]) : samples_[last].u, breaks);
-    }
-
+    void begin_curve(bool breaks) noexcept;
     /// Nothing else serves the sample that is due.
-    void break_curve() noexcept {
-        samples_[0].starts_curve = true;
-        ++counters_.breaks;
-        prepare_curve();
-        search_.start_over(view(), credit_);
-        begin_curve(true);
-    }
-
-    void emit_start(const Polynomial<D, Order>& start, float reach, bool breaks) noexcept {
-        note_pending();
-        ++counters_.curves;
-        const Polynomial<D, Order> constant = frozen_;
-        out_.coarse = static_cast<std::uint8_t>(reach > 1 ? floor_log2(reach) + 1 : 0);
-        round_start(start);
-        if (!accepted(samples_[0])) {  // a constant through the sample always serves
-            out_.coarse = 0;
-            round_start(constant);
-        }
-        active_ = true;
-        samples_[0].starts_curve = false;
-        out_.begins = true;
-        out_.breaks = breaks;
-        out_.start = curve_;
-        search_.rounded();
-        credit_ -= freeze_cost;
-    }
-
+    void break_curve() noexcept;
+    void emit_start(const Polynomial<D, Order>& start, float reach, bool breaks) noexcept;
     /// Sets the curve and what is frozen of it to the start that a decoder will read.
-    void round_start(const Polynomial<D, Order>& start) noexcept {
-        for (std::size_t m = 0; m < Order; ++m)
-            for (std::size_t d = 0; d < D; ++d) {
-                const int shift = start_shift(m, out_.coarse);
-                const float places = power_of_two(fraction_bits(m) - shift);
-                const std::int64_t step = std::int64_t{1} << shift;
-                const std::int32_t kept = clamped_sum(to_integer(start.c[m][d] * places) * step, 0);
-                curve_.span.c[m][d] = static_cast<std::int32_t>(kept / step * step);
-            }
-        frozen_ = Polynomial<D, Order>{curve_.span};
-    }
-
+    void round_start(const Polynomial<D, Order>& start) noexcept;
     /// In integers, as a decoder chooses the piece that speaks for a time.
-    bool before_knot(std::size_t i) const noexcept {
-        const std::int64_t knot = search_.plan().knot[0];
-        return samples_[i].t_ns - curve_.span.t0_ns <
-               knot * static_cast<std::int64_t>(params_.tick_ns);
-    }
-
+    bool before_knot(std::size_t i) const noexcept;
     /// The exact test, in the decoder's arithmetic.
-    bool accepted(const Waiting<Channel>& sample) const noexcept {
-        // after so long a rest the curve starts anew: ticks are counted in 32 bits
-        if (sample.t_ns - curve_.span.t0_ns >= std::int64_t{params_.tick_ns} << 30) return false;
-        const float u = ticks_between(curve_.span.t0_ns, sample.t_ns, params_.tick_ns);
-        return judge_.accepts(Channel::value(frozen_(u), scale_), sample.value);
-    }
-
+    bool accepted(const Waiting<Channel>& sample) const noexcept;
     /// Before anything is added to a batch: since when has its oldest sample waited?
     void note_pending() noexcept {
         if (!pending()) pending_record_ = samples_.oldest().record;
     }
-
     /// Takes leading samples that the frozen polynomial covers. @return whether there was one.
-    bool cover(std::uint32_t goal) noexcept {
-        const auto& plan = search_.plan();
-        const bool rests = resting();
-        std::size_t k = 0;
-        while (k < own_ && k < cover_max && (plan.size == 0 || before_knot(k)) &&
-               accepted(samples_[k])) {
-            ++k;
-            // only what is needed is made final: a later start of the next knot is open
-            if (!rests && since(samples_[k - 1].record) <= goal) break;
-        }
-        credit_ -= accept_cost * static_cast<Credit>(k + 1);
-        if (k == 0) return false;
-        // the next tick after the last sample taken: samples stand at least a tick apart, so that
-        // the next one is not before it, and a knot may stand on it
-        const std::int64_t past = samples_[k - 1].t_ns - curve_.span.t0_ns;
-        note_pending();
-        out_.covers = true;
-        out_.cover_ticks = cover_ticks_ = static_cast<std::uint32_t>(past / params_.tick_ns) + 1;
-        samples_.pop(k);
-        own_ -= k;
-        search_.drop(k);
-        if (own_ == 0 && !samples_.empty()) prepare_curve();
-        return true;
-    }
-
+    bool cover(std::uint32_t goal) noexcept;
     /// Are all derivatives below the highest gone at a knot, to rounding? Then a stop there is C2.
-    bool comes_to_rest(std::int32_t ticks) const noexcept {
-        const auto at = carried(curve_.span, static_cast<std::uint32_t>(ticks), params_.tick_ns);
-        for (std::size_t m = 1; m + 1 < Order; ++m)
-            for (const std::int32_t c : at.c[m])
-                if (c > rest_places || c < -rest_places) return false;
-        return true;
-    }
-
+    bool comes_to_rest(std::int32_t ticks) const noexcept;
     /// Is the frozen polynomial a constant?
-    bool resting() const noexcept {
-        for (std::size_t m = 1; m < Order; ++m)
-            for (std::size_t d = 0; d < D; ++d)
-                if (curve_.span.c[m][d] != 0) return false;
-        return true;
-    }
-
+    bool resting() const noexcept;
     /// The first planned knot becomes final.
-    void freeze() noexcept {
-        const auto& plan = search_.plan();
-        const std::int32_t ticks = plan.knot[0];
-        const bool lands = plan.landing > 0 && plan.size <= plan.landing;
-        auto& knot = out_.knot[out_.size];
-        knot.ticks = static_cast<std::uint32_t>(ticks);
-        if (lands && plan.size == 1 && comes_to_rest(ticks)) {
-            knot.shift = stop_shift;
-            knot.jump = {};
-            curve_.stop(knot.ticks, params_.tick_ns);
-        } else {
-            round_jump(knot, lands);
-        }
-        frozen_ = Polynomial<D, Order>{curve_.span};
-        note_pending();
-        out_.covers = false;
-        ++out_.size;
-        ++counters_.knots;
-        cover_ticks_ = 0;
-        shift_times(ticks);
-        search_.froze(ticks);
-        credit_ -= freeze_cost;
-    }
-
+    void freeze() noexcept;
     /// Rounds the jump of the first planned knot as coarsely as its interval bears. The others have
     /// been fitted to that (`settled`), or take it up as far as they are many, or its error grows
     /// to the end of the plan.
-    void round_jump(typename Frozen::Knot& knot, bool lands) noexcept {
-        const Curve<Channel> before = curve_;
-        const auto& plan = search_.plan();
-        const auto begin = static_cast<float>(plan.knot[0]);
-        const float end = plan.size > 1 ? static_cast<float>(plan.knot[1]) : samples_[own_ - 1].u;
-        int shift = lands ? 0 : plan.settled;
-        const bool settled = shift >= 0, many = !settled && plan.size > Order;
-        if (!settled)
-            shift = jump_shift<Order>((many ? end : planned_end(end)) - begin) - unsettled_places;
-        const auto sent = Channel::to_wire(plan.jump[0], frozen_(begin));
-        for (int tries = 0;; ++tries) {
-            shift = shift > 0 && tries < rounding_tries ? shift : 0;
-            curve_ = before;
-            const float places = power_of_two(fraction_bits(Order - 1) - shift);
-            for (std::size_t d = 0; d < D; ++d) knot.jump[d] = to_integer(sent[d] * places);
-            knot.shift = static_cast<std::uint8_t>(shift);
-            curve_.advance(knot.ticks, knot.jump, knot.shift, params_.tick_ns);
-            credit_ -= rounding_cost;
-            if (settled) return;
-            const Polynomial<D, Order> p{curve_.span};
-            typename KnotPlan::Absorption taken_up{};
-            if (many) {
-                std::array<float, D> change;
-                for (std::size_t d = 0; d < D; ++d)
-                    change[d] = p.c[Order - 1][d] - frozen_.c[Order - 1][d] - plan.jump[0][d];
-                taken_up = plan.absorption(change);
-            }
-            if (shift == 0 || serves(p, taken_up, many ? Order : 1)) {
-                if (many) search_.absorb(taken_up);
-                return;
-            }
-            shift -= unsettled_places;
-        }
-    }
-
-    float planned_end(float at_least) const noexcept {
-        const std::size_t covers = search_.plan().covers;
-        const std::size_t n = covers < own_ ? covers : own_;
-        const float end = n > 0 ? samples_[n - 1].u : 0;
-        return end > at_least ? end : at_least;
-    }
-
+    void round_jump(typename Frozen::Knot& knot, bool lands) noexcept;
+    float planned_end(float at_least) const noexcept;
     /// Does the curve that begins with p at the first planned knot serve the samples of so many
     /// intervals?
     bool serves(Polynomial<D, Order> p, const typename KnotPlan::Absorption& changes,
-                std::size_t intervals) noexcept {
-        const auto& plan = search_.plan();
-        auto origin = static_cast<float>(plan.knot[0]);
-        std::size_t knot = 1;
-        for (std::size_t i = 0; i < rounding_max && i < own_ && i < plan.covers; ++i) {
-            const auto& sample = samples_[i];
-            for (; knot < plan.size && static_cast<float>(plan.knot[knot]) < sample.u; ++knot) {
-                if (knot == intervals) return true;
-                const auto at = static_cast<float>(plan.knot[knot]);
-                p = p.shifted(at - origin);
-                origin = at;
-                for (std::size_t d = 0; d < D; ++d)
-                    p.c[Order - 1][d] += plan.jump[knot][d] + changes[knot - 1][d];
-            }
-            credit_ -= Knots::Fitter::test_cost;
-            for (const float e : judge_.errors(p(sample.u - origin), sample.value))
-                if (e > 0.9995f) return false;
-        }
-        return true;
-    }
+                std::size_t intervals) noexcept;
 
     Params params_{};
     typename Channel::Scale scale_{};
@@ -537,3 +332,5 @@ class Reducer {
 };
 
 }  // namespace fairlead
+
+#include "fairlead/reduce/reducer_finality.hpp"

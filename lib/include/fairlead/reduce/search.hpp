@@ -15,13 +15,12 @@
 
 namespace fairlead {
 
-/// Places by which a jump is rounded when its first interval is `length` ticks: to 2^-4 of a unit
-/// at the interval's end.
+/// Places by which a jump is rounded when its first interval is `length` ticks.
 template <std::size_t Order>
 int jump_shift(float length) noexcept {
     float power = 1;
     for (std::size_t m = 1; m < Order; ++m) power *= length > 1 ? length : 1;
-    const int shift = fraction_bits(Order - 1) - 4 - floor_log2(power);
+    const int shift = fraction_bits(Order - 1) - rounding_places - floor_log2(power);
     return shift < 0 ? 0 : (shift < 28 ? shift : 28);
 }
 
@@ -47,7 +46,7 @@ class Search {
     /// Has the plan been tested since a knot was rounded, and does it serve nearly all samples?
     bool steady(std::size_t count) const noexcept {
         return !doubted_ && stage_ != Stage::verify && stage_ != Stage::refit &&
-               plan_.covers + 3 * reach >= count;
+               plan_.covers + 5 * reach >= count;
     }
 
     void reset() noexcept {
@@ -145,7 +144,11 @@ class Search {
         return true;
     }
 
-    static constexpr float limit = 0.998f;  // planning keeps this much below the tolerance
+    /// What carrying a state over a knot may cost: half a last place of every component.
+    static constexpr float carrying =
+        power_of_two(-1 - fraction_bits(0)) * (Channel::Judge::parts < D ? 2 : 1);
+    static constexpr float limit = 1 - 2 * carrying;  // planning keeps below the tolerance,
+    static constexpr float kept = 1 - carrying;       // and rounding a jump may use up half of it
     static constexpr Credit step_cost = 300 + 20 * static_cast<Credit>(MaxKnots);
     static constexpr Credit horizon_cost = 500 + 4 * Fitter::test_cost;
     static constexpr Credit landing_cost = 1500 + 1300 * D, rest_cost = 15 + 12 * D;
@@ -168,7 +171,9 @@ class Search {
     };
     enum class Goal : std::uint8_t { insertion, removal };
     static constexpr std::size_t hard_passes = 5, move_passes = 4, soft_passes = 3;
-    static constexpr std::size_t grid = 12;          // places that an insertion tries
+    static constexpr std::size_t grid = 12;          // places that an insertion tries,
+    static constexpr std::size_t few_places = 4;     // where the plan must catch up,
+    static constexpr std::size_t fewest_places = 3;  // and where that is urgent
     static constexpr std::size_t finalists = 3;      // of which it tries with effort
     static constexpr std::size_t move_budget = 16;   // moves tried before a knot is given up
     static constexpr std::size_t bends = 5;          // places that a bend of the end tries
@@ -176,9 +181,10 @@ class Search {
     static constexpr std::uint32_t drop_period = 4;  // samples between two rounds of removal
     static constexpr std::size_t catch_up_max = 16;  // samples tested at once
     static constexpr std::size_t near = 24;          // samples before which a plan hurries
-    static constexpr std::size_t patience = 8;       // samples that a plan may lack for a while
-    static constexpr std::size_t reach = 8;          // samples that a plan behind looks further
-    static constexpr std::size_t start_max = 16;     // samples of a curve that must start at once
+    static constexpr std::size_t patience = 5;       // samples that a plan may lack for a while
+    static constexpr std::size_t reach = 8;          // samples that a plan behind looks further,
+    static constexpr std::size_t step_near = 4;      // where it hurries
+    static constexpr std::size_t start_max = 12;     // samples of a curve that must start at once
 
     // ---- the frame of every stage: propose a trial and have it fitted, then judge it
     bool propose(const View& v, Credit& credit) noexcept {
@@ -254,7 +260,7 @@ class Search {
             stage_ = Stage::verify;
             trial_ = plan_;
             fitting_ = true;
-            fitter_.start_test(v, limit, trial_);
+            fitter_.start_test(v, kept, trial_);
             return true;
         }
         if (v.free && flat_start_ && plan_.landing == 0 && rests(v, v.count, credit)) {
@@ -357,7 +363,7 @@ class Search {
     /// Has the fitter look for better places of the trial's knots.
     bool seek(const View& v, std::size_t head) noexcept;
     /// Moves the trial's knots to where they want to be. @return whether any moves.
-    bool shift_knots(const View& v, std::size_t head) noexcept;
+    bool shift_knots(const View& v) noexcept;
     void moved(bool ok) noexcept;
     void moves_failed(const View& v) noexcept;
     // ---- removal: every knot in turn by a plain fit, then the two most promising with effort

@@ -7,15 +7,15 @@ namespace fairlead {
 
 template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizons>
 bool Search<Channel, N, MaxKnots, Horizons>::propose_settling(const View& v) noexcept {
-    static constexpr int finer[] = {0, 3, 6, 10};
-    if (cell_ >= 4 || plan_.size == 0) {
+    if (cell_ >= finer_places.size() || plan_.size == 0) {
         idle();
         return true;
     }
     trial_ = plan_;
     const float until =
         plan_.size > 1 ? static_cast<float>(plan_.knot[1]) : v.samples[v.count - 1].u;
-    const int coarse = jump_shift<Order>(until - static_cast<float>(plan_.knot[0])) - finer[cell_];
+    const int coarse =
+        jump_shift<Order>(until - static_cast<float>(plan_.knot[0])) - finer_places[cell_];
     trial_.settled = static_cast<std::int8_t>(coarse > 0 ? coarse : 0);
     const Vector at = v.frozen(static_cast<float>(plan_.knot[0]));
     Vector sent = Channel::to_wire(plan_.jump[0], at);
@@ -66,7 +66,8 @@ template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizo
 void Search<Channel, N, MaxKnots, Horizons>::set_horizon(const View& v) noexcept {
     if (plan_.covers > v.count) plan_.covers = v.count;
     catch_up(v);
-    horizon_ = plan_.covers + reach_;
+    const std::size_t most = plan_.covers < near ? step_near : reach;
+    horizon_ = plan_.covers + (reach_ < most ? reach_ : most);
     if (horizon_ > v.count) horizon_ = v.count;
     const std::size_t behind = v.count - plan_.covers;
     const bool full = plan_.size + 2 > MaxKnots;

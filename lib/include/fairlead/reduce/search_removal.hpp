@@ -24,7 +24,7 @@ bool Search<Channel, N, MaxKnots, Horizons>::propose_move(const View& v) noexcep
     --budget_;
     trial_ = current_;
     if (fresh_) return seek(v, head_);
-    if (!shift_knots(v, head_)) {
+    if (!shift_knots(v)) {
         moves_failed(v);
         return true;
     }
@@ -43,15 +43,13 @@ bool Search<Channel, N, MaxKnots, Horizons>::seek(const View& v, std::size_t hea
 }
 
 template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizons>
-bool Search<Channel, N, MaxKnots, Horizons>::shift_knots(const View& v, std::size_t head) noexcept {
+bool Search<Channel, N, MaxKnots, Horizons>::shift_knots(const View& v) noexcept {
     const auto last = static_cast<std::int32_t>(v.samples[v.count - 1].u) - 1;
     bool any = false;
-    const KnotPlan& from = trial_;
-    std::int32_t before = head > 0 ? from.knot[head - 1] : first_place(v) - 1;
-    if (head > 0 && before < first_place(v) - 1) before = first_place(v) - 1;
+    std::int32_t before = first_place(v) - 1;
+    if (sought_ > 0 && trial_.knot[sought_ - 1] > before) before = trial_.knot[sought_ - 1];
     for (std::size_t i = sought_; i < trial_.size; ++i) {
         const std::int32_t old = trial_.knot[i];
-        if (i > head && i == sought_) before = trial_.knot[i - 1];
         const float room_below = static_cast<float>(old - before) * 0.6f;
         const std::int32_t next = i + 1 < trial_.size ? trial_.knot[i + 1] : last;
         const float room_above = static_cast<float>(next - old) * 0.6f;

@@ -11,7 +11,7 @@ void Search<Channel, N, MaxKnots, Horizons>::start_repair(const View& v) noexcep
     trial_ = plan_;
     head_ = head_before(knots_before(v, plan_, plan_.covers), tail());
     stage_ = Stage::repair;
-    fit(v, head_, hard_passes);
+    fit(v, head_, hurried_ ? 1 : hard_passes);
 }
 
 template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizons>
@@ -33,7 +33,7 @@ void Search<Channel, N, MaxKnots, Horizons>::start_insertion(const View& v,
     tried_ = 0;
     found_ = false;
     low_worst_ = 1e30f;
-    places_ = hurried_ ? grid / 3 : (partial_ ? grid / 2 : grid);
+    places_ = hurried_ ? fewest_places : (partial_ ? few_places : grid);
     const std::size_t at = knots_before(v, current_, current_.worst_at);
     head_ = head_before(at, tail());
     cell_low_ = at >= 2 ? static_cast<float>(current_.knot[at - 2])
@@ -83,6 +83,7 @@ template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizo
 void Search<Channel, N, MaxKnots, Horizons>::inserted(bool ok) noexcept {
     if (tried_ == 0) score_[cell_ - 1] = trial_.worst;
     if (ok) {
+        if (hurried_) return accept(trial_);  // the first that serves
         if (!found_ || trial_.objective < best_.objective) best_ = trial_;
         found_ = true;
     } else if (!found_ && trial_.worst < low_worst_) {

@@ -20,6 +20,11 @@ namespace fairlead {
 /// Binary places of the Taylor coefficient of power m: each power of a tick gets six more.
 constexpr int fraction_bits(std::size_t m) noexcept { return 8 + 6 * static_cast<int>(m); }
 
+/// What a rounding may cost at the end of the interval that it is made for: 2^-3 of a unit.
+inline constexpr int rounding_places = 3;
+/// By how many places less is rounded away where that is too much.
+inline constexpr std::array<std::uint8_t, 4> finer_places{0, 3, 6, 10};
+
 /// 2^e as a float, |e| <= 126.
 constexpr float power_of_two(int e) noexcept {
     int n = e < 0 ? -e : e;

@@ -109,7 +109,7 @@ class SplineSystem {
     }
 
     /// Moments of samples of one span: sums of w s^k, and of w x s^k for W right sides. They cost
-    /// a third of the sums of the B-splines' products, which follow from them.
+    /// less than the sums of the B-splines' products, which follow from them once a span.
     template <std::size_t W>
     struct Moments {
         std::array<float, 2 * Order - 1> w{};

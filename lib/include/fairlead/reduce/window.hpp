@@ -23,4 +23,18 @@ struct Waiting {
 template <class Channel, std::size_t N>
 using Window = Ring<Waiting<Channel>, N + 1>;
 
+/// How many of the first n samples stand at or before u, by halving.
+template <class Samples>
+std::size_t samples_until(const Samples& samples, std::size_t n, float u) noexcept {
+    std::size_t low = 0;
+    while (low < n) {
+        const std::size_t middle = (low + n) / 2;
+        if (samples[middle].u <= u)
+            low = middle + 1;
+        else
+            n = middle;
+    }
+    return low;
+}
+
 }  // namespace fairlead

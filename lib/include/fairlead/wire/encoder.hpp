@@ -60,8 +60,9 @@ class Encoder {
         orientation_link_.enabled = params.orientation;
     }
 
-    /// One record. @return the frames that it completed, possibly none.
-    Bytes push(const Pose& pose) noexcept {
+    /// One record; without its slice of the search where several come at once. @return the frames
+    /// that it completed, possibly none.
+    Bytes push(const Pose& pose, bool searches = true) noexcept {
         size_ = 0;
         const std::int64_t before_ns = now_ns_;
         now_ns_ = pose.t_ns;
@@ -72,10 +73,11 @@ class Encoder {
         feed(orientation_, params_.orientation && (pose.flags & flag::orientation_valid), pose,
              pose.q_wb, flag::gap_before | flag::orientation_gap, orientation_gap_);
         // a restart point is a frame like others: what it can take along need not leave soon after
-        const std::int64_t lead_ns = (now_ns_ - before_ns) * PositionReducer::lead;
+        const std::int64_t lead_ns = (now_ns_ - before_ns) * position_.lead();
         const bool closing = position_.closing() || orientation_.closing() || restart_due(lead_ns);
-        position_.allot(slice_, closing);
-        orientation_.allot(slice_, closing);
+        const Credit slice = searches ? slice_ : 0;
+        position_.allot(slice, closing);
+        orientation_.allot(slice, closing);
         // rarely two: where knots crowd before a sample that is due, or a curve starts
         for (std::size_t i = 0; i < max_frames; ++i) {
             if (!position_.due() && !orientation_.due() && !restart_due()) break;

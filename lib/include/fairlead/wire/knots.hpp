@@ -2,8 +2,7 @@
 // Knots in few bits: what a jump is likely to be, and how large its surprise.
 //
 // After a knot the third derivative tends to lead the second back to zero within the interval that
-// follows: the jump is expected to cancel it and to go `leading_back` of that way. (0.25 to 0.65
-// cost the same within 2 % on the recordings; no prediction costs 4 bits more a knot.) The rounding
+// follows: the jump is expected to cancel it and to go `leading_back` of that way. The rounding
 // of a jump is chosen for its interval, so it tells of the interval: `reach`, the rounding for
 // that interval, is sent, and how much finer the jump was rounded. Surprises are in Rice codes
 // [R. F. Rice, 1979] for the rounding that their reach asks for.
@@ -23,9 +22,8 @@ struct Models {
     std::uint32_t last_reach{12};
 };
 
-/// By how many places a jump may be rounded more finely than its reach asks for.
-inline constexpr std::array<std::uint8_t, 4> finer_places{0, 3, 6, 10};
-inline constexpr std::uint32_t stop_sign = finer_places.size();  // instead of them
+/// Instead of a place in finer_places.
+inline constexpr std::uint32_t stop_sign = finer_places.size();
 inline constexpr std::uint32_t reach_max = 31;
 inline constexpr float leading_back = 0.45f;
 
@@ -44,7 +42,7 @@ float root_of_power(int n) noexcept {
 /// The length in ticks of the interval that a rounding is for, its inverse: of 0 places one tick's.
 template <class Channel>
 float per_length(std::uint32_t reach) noexcept {
-    constexpr int of_one_tick = fraction_bits(Channel::order - 1) - 4;
+    constexpr int of_one_tick = fraction_bits(Channel::order - 1) - rounding_places;
     return root_of_power<Channel::order - 1>(static_cast<int>(reach) - of_one_tick);
 }
 
