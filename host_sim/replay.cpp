@@ -70,6 +70,8 @@ HostParams parameters(const Recording& recording, const ReplayOptions& options, 
     params.encoder.tick_ns = tick_for(recording);
     params.encoder.delay_max = options.delay_max;
     params.encoder.slice = options.slice;
+    params.encoder.goal = options.goal;
+    params.encoder.restart_interval_ns = static_cast<std::int64_t>(options.restart_s * 1e9);
     params.encoder.position = options.position;
     params.encoder.orientation = options.orientation;
     return params;

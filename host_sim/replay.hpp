@@ -20,7 +20,9 @@ struct ReplayOptions {
     double tol_pos_m{1e-3};                  // per axis
     double tol_rot_rad{pi_v<double> / 720};  // full rotation angle: 0.25 deg
     std::uint32_t delay_max{120};
-    Credit slice{slice_medium};              // search per record and channel
+    Credit slice{slice_medium};  // search per record and channel
+    std::uint32_t goal{0};       // records that a frame leaves open; 0: a third
+    double restart_s{2};
     bool position{true}, orientation{true};  // channels that are reduced
     std::optional<AttitudeMode> mode;        // of an IMU; empty: all of its sensors
 };

@@ -57,8 +57,8 @@ inline CLI::Validator in_range(double low, double high) {
     return CLI::Validator(check, "NUMBER");
 }
 
-/// --tol-pos, --tol-rot, --max-delay. Without defaults the tolerances start as "not given", 0.
-inline void add_tolerances(CLI::App& command, ReplayOptions& options, bool must_be_given) {
+/// What the reducer and its frames are given. Without defaults the tolerances start as "not given", 0.
+inline void add_reduction(CLI::App& command, ReplayOptions& options, bool must_be_given) {
     if (must_be_given) options.tol_pos_m = options.tol_rot_rad = 0;
     auto* position =
         command.add_option("--tol-pos", options.tol_pos_m, "Tolerance of each position axis, m")
@@ -87,6 +87,16 @@ inline void add_tolerances(CLI::App& command, ReplayOptions& options, bool must_
             "Work per record: more finds fewer knots, never another guarantee")
         ->check(CLI::IsMember({"small", "medium", "large"}))
         ->default_str("medium");
+    command
+        .add_option("--open", options.goal,
+                    "Records that a frame leaves open where it can; 0: a third of --max-delay")
+        ->check(CLI::Range(0u, delay_most))
+        ->capture_default_str();
+    command
+        .add_option("--restart", options.restart_s,
+                    "Seconds between the points at which a reader can join")
+        ->check(in_range(0.01, 1e6))
+        ->capture_default_str();
 }
 
 /// --mode: which of an IMU's sensors the orientation is made of. Empty: all it has.

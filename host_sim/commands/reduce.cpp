@@ -50,7 +50,7 @@ void add_reduce(CLI::App& app) {
     options->input.add_to(*command);
     options->input.add_events_to(*command);
     add_mode(*command, options->replay.mode);
-    add_tolerances(*command, options->replay, true);
+    add_reduction(*command, options->replay, true);
     command->add_option("--channel", options->channel, "What to reduce")
         ->check(CLI::IsMember({"position", "orientation", "both"}))
         ->capture_default_str();

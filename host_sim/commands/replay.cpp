@@ -51,7 +51,7 @@ void add_replay(CLI::App& app) {
     options->input.add_events_to(*command);
     command->add_option("--filter", options->replay.filter, "Filters, see below; default: none");
     add_mode(*command, options->replay.mode);
-    add_tolerances(*command, options->replay, false);
+    add_reduction(*command, options->replay, false);
     command->add_option("--out", options->out,
                         "Folder for filtered.tum, stream.flr, events.csv and report.html");
     command->footer(filter_help);

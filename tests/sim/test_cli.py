@@ -35,7 +35,8 @@ def test_usage_errors_exit_2(folder):
         [], ["nonsense"], ["replay"], ["replay", folder / "missing.trk"],
         ["replay", trk, "--filter", "binomial:4"], ["replay", trk, "--filter", ""][:2] + ["--bad"],
         ["replay", trk, "--max-delay", "0"], ["replay", trk, "--max-delay", "100000"],
-        ["replay", trk, "--tol-pos", "-1"], ["replay", trk, "--tol-rot", "nan"],
+        ["replay", trk, "--tol-pos", "-1"], ["replay", trk, "--restart", "0"],
+        ["replay", trk, "--open", "9999"], ["replay", trk, "--tol-rot", "nan"],
         ["reduce", trk, "--out", out], ["reduce", trk, "--tol-pos", "1e-3", "--out", out],
         ["reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "1e-2"],
         ["reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "1e-2", "--channel", "left", "--out", out],
@@ -121,6 +122,20 @@ def test_reduce_of_one_channel(folder):
         for _, p, q, row in read_csv(folder / "d.csv"):
             assert (q if channel == "position" else p) is None, row
     must("reduce", trk, "--tol-pos", "1e-3", "--channel", "position", "--out", folder / "s.flr")
+
+
+def test_fewer_restarts_and_longer_frames_save_bytes(folder):
+    trk = generated(folder)
+    def reduced(*options):
+        summary = json.loads(must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436",
+                                  "--out", folder / "s.flr", "--json", *options))
+        line = next(l for l in must("info", folder / "s.flr").splitlines() if "restart" in l)
+        frames, restarts = (int(w) for w in line.replace(",", "").split() if w.isdigit())
+        return summary["bytes"], frames, restarts
+    usual, often, once = reduced(), reduced("--restart", 0.5), reduced("--restart", 1000)
+    assert once[2] < usual[2] < often[2] and once[0] < usual[0] < often[0], (once, usual, often)
+    assert reduced("--open", 100)[1] > usual[1]
+    assert reduced("--open", 0) == reduced("--open", 40) == usual  # a third of 120
 
 
 def test_filter_columns_and_constant_rate(folder):
