@@ -57,7 +57,8 @@ inline CLI::Validator in_range(double low, double high) {
     return CLI::Validator(check, "NUMBER");
 }
 
-/// What the reducer and its frames are given. Without defaults the tolerances start at 0: not given.
+/// What the reducer and its frames are given. Without defaults the tolerances start at 0: not
+/// given.
 inline void add_reduction(CLI::App& command, ReplayOptions& options, bool must_be_given) {
     if (must_be_given) options.tol_pos_m = options.tol_rot_rad = 0;
     auto* position =
