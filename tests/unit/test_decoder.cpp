@@ -183,6 +183,27 @@ TEST(Decoder, TakesAFrameOnceAPushAndIsNeverLaterThanItSays) {
     }
 }
 
+TEST(Decoder, WhatLooksLikeAHeadHoldsNoRestartFrameBack) {
+    const Bytes8 clean = stream(5);
+    const Found frames = plain_search(clean);
+    ASSERT_GT(frames.curves.size(), 2u);
+    for (const std::size_t between : {0u, 1u, 2u, 100u, 300u}) {
+        Bytes8 bytes{0xC1, 0xE0, wire::version};  // 480 bytes are to come
+        bytes.resize(bytes.size() + between, 0x11);
+        bytes.insert(bytes.end(), clean.begin(), clean.end());
+        std::size_t whole = frames.curves[1];
+        for (const std::size_t event : frames.events)
+            if (event > frames.curves[0]) whole = std::min(whole, event);
+        whole += 3 + between;
+        const auto decoder = std::make_unique<Decoder>();
+        for (std::size_t i = 0; i < whole; ++i) {
+            ASSERT_FALSE(decoder->in_step()) << "byte " << i;
+            decoder->push(bytes[i]);
+        }
+        EXPECT_TRUE(decoder->in_step()) << between << " bytes between";
+    }
+}
+
 TEST(Decoder, UndamagedFramesComeWithTheirLastByte) {
     const Bytes8 bytes = stream(4);
     const Found frames = plain_search(bytes);
@@ -220,7 +241,7 @@ TEST(Backlog, KnowsTheChecksumOfEveryPieceHoweverBytesCameAndWent) {
             const std::uint16_t crc = crc16(live.data(), live.size(), seed);
             push(static_cast<std::uint8_t>(crc >> 8));
             push(static_cast<std::uint8_t>(crc & 255));
-            ASSERT_TRUE(backlog.sealed(live.size() - 2, seed)) << live.size();
+            ASSERT_TRUE(backlog.sealed(0, live.size() - 2, seed)) << live.size();
             ++right;
         } else {
             push(static_cast<std::uint8_t>(random()));
@@ -231,7 +252,7 @@ TEST(Backlog, KnowsTheChecksumOfEveryPieceHoweverBytesCameAndWent) {
         ASSERT_EQ(backlog[n], live[n]);
         ASSERT_EQ(backlog.data()[n], live[n]);
         const bool sealed = crc16(live.data(), n + 2, seed) == 0;
-        ASSERT_EQ(backlog.sealed(n, seed), sealed);
+        ASSERT_EQ(backlog.sealed(0, n, seed), sealed);
         wrong += !sealed;
     }
     ASSERT_GT(right, 1000u);

@@ -39,10 +39,11 @@ class Backlog {
         front_ = end_ = 0;
     }
 
-    /// The first n bytes are followed by their checksum from this seed. n + 2 <= size().
-    bool sealed(std::size_t n, std::uint16_t seed) const noexcept {
-        const auto start = static_cast<std::uint16_t>(checksum_before(front_) ^ seed);
-        return checksum_before(front_ + n + 2) == powers.after_zeros(start, n + 2);
+    /// The n bytes from a place on are followed by their checksum from this seed.
+    /// at + n + 2 <= size().
+    bool sealed(std::size_t at, std::size_t n, std::uint16_t seed) const noexcept {
+        const auto start = static_cast<std::uint16_t>(checksum_before(front_ + at) ^ seed);
+        return checksum_before(front_ + at + n + 2) == powers.after_zeros(start, n + 2);
     }
 
   private:

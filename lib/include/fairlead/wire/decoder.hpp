@@ -11,7 +11,8 @@
 // places at most, each at a cost that does not depend on the frame's length (wire/backlog.hpp), and
 // takes one frame at most; the next pushes go on. So frames that were held back come out while
 // later bytes go in, at most max_frame / (tries_per_byte - 1) bytes late; undamaged ones with their
-// last byte.
+// last byte. Out of step, a second place that looks like a head is watched beside the first, so
+// that one false head does not hold back the restart frame that ends the damage.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -105,14 +106,18 @@ class Decoder {
     /// Looks for a frame at the front of the backlog; gives up bytes that cannot start one.
     bool find_frame(std::size_t tries) noexcept {
         for (; tries > 0 && bytes_.size() > 0; --tries) {
-            if (may_begin()) {
+            if (may_begin(0)) {
                 if (bytes_.size() == 1 && bytes_[0] >= 0x80 && !ended_) return false;
-                const Head head = read_head();
+                const Head head = read_head(0);
                 const bool whole = bytes_.size() >= head.frame();
-                if (head.possible() && !whole && !ended_) return false;  // wait for the rest
-                if (head.possible() && whole && bytes_.sealed(head.sealed(), head.seed) &&
+                if (head.possible() && !whole && !ended_) {
+                    if (!find_later()) return false;
+                    continue;
+                }
+                if (head.possible() && whole && bytes_.sealed(0, head.sealed(), head.seed) &&
                     parse(head)) {
                     bytes_.drop(head.frame());
+                    later_ = 0;
                     return true;
                 }
             }
@@ -121,24 +126,45 @@ class Decoder {
         return false;
     }
 
+    /// What looks like a head waits for its rest. Out of step it may be none, so the next place
+    /// that looks like one is watched, too: where a frame is sealed there, the bytes before it are
+    /// given up. @return whether it stands at the front now.
+    bool find_later() noexcept {
+        if (in_step_) return false;
+        for (std::size_t tries = 2; tries > 0; --tries, ++later_) {
+            if (later_ + 3 > bytes_.size()) return false;
+            if (later_ == 0 || !may_begin(later_)) continue;
+            const Head head = read_head(later_);
+            if (!head.possible()) continue;
+            if (later_ + head.frame() > bytes_.size()) return false;
+            if (!bytes_.sealed(later_, head.sealed(), head.seed)) continue;
+            counters_.skipped_bytes += static_cast<std::uint32_t>(later_);
+            bytes_.drop(later_);
+            later_ = 0;
+            return true;
+        }
+        return false;
+    }
+
     /// Out of step only frames that need no step are looked for. They are believed from their
     /// version on: a stray byte must not hold back what follows until its length has come.
-    bool may_begin() const noexcept {
-        const std::uint8_t first = bytes_[0];
+    bool may_begin(std::size_t at) const noexcept {
+        const std::uint8_t first = bytes_[at];
         if (first < wire::stepless_head) return in_step_;
         const auto version = first >= wire::event_head ? wire::event_version : wire::version;
-        return bytes_.size() < 3 || bytes_[2] == version;
+        return bytes_.size() < at + 3 || bytes_[at + 2] == version;
     }
 
     void give_up_byte() noexcept {
         if (in_step_) ++counters_.damaged;
         in_step_ = false;
         ++counters_.skipped_bytes;
+        later_ -= later_ > 0;
         bytes_.drop(1);
     }
 
-    Head read_head() const noexcept {
-        const std::uint8_t first = bytes_[0];
+    Head read_head(std::size_t at) const noexcept {
+        const std::uint8_t first = bytes_[at];
         Head head;
         head.event = first >= wire::event_head;
         head.restart = first >= wire::stepless_head && !head.event;
@@ -149,7 +175,7 @@ class Decoder {
         if (first >= 0x80) {
             head.size = 2;
             head.payload = (first & (head.event ? 0x1fu : 0x3fu)) * std::size_t{256};
-            if (bytes_.size() > 1) head.payload += bytes_[1];
+            if (bytes_.size() > at + 1) head.payload += bytes_[at + 1];
         }
         return head;
     }
@@ -229,6 +255,7 @@ class Decoder {
     }
 
     wire::Backlog bytes_{};
+    std::size_t later_{0};  // a place behind the front that may hold a frame; 0: not yet looked
     wire::Header header_{};
     wire::Link<Position> position_{};
     wire::Link<Orientation> orientation_{};

@@ -188,7 +188,9 @@ bool content(Io& io, Link<Channel>& link, Batch<Channel, MaxKnots>& batch, std::
         batch.begins = batch.breaks = batch.covers = false;
         batch.size = 0;
     }
-    if (!link.enabled || !flag(io, batch.begins || batch.size || batch.covers)) return io.ok();
+    // a payload starts with a zero: a reader that looks for a head will not take it for one
+    const bool nothing = !(batch.begins || batch.size || batch.covers);
+    if (!link.enabled || flag(io, nothing)) return io.ok();
     Curve<Channel> curve = link.curve;
     std::uint32_t covered = link.cover_ticks;
     if (flag(io, !batch.begins && batch.covers)) {  // as nearly always: one bit
