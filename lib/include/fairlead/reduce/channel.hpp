@@ -125,8 +125,8 @@ struct VectorChannel {
 
 /// Orientations, tolerance as a rotation angle in radians: cubics in the space of quaternions,
 /// taken to unit length when they are evaluated. That is linear to fit, turns with either frame,
-/// and needs no charts. Jumps are sent in the frame of the curve itself: their radial part is
-/// nearly always zero.
+/// and needs no charts. Jumps are sent in the frame of the curve itself: their radial part is the
+/// smallest.
 struct OrientationChannel {
     static constexpr std::size_t dimension = 4;
     static constexpr std::size_t order = 4;
