@@ -237,7 +237,8 @@ format: setup-lint ## rewrite the sources in the project's format
 format-check: setup-lint ## fail where a source is not in the project's format
 	@clang-format --dry-run --Werror $(OWN_SOURCES)
 tidy: setup-lint ## clang-tidy over the library and the programs
-	@clang-tidy --quiet $(LIB_HEADERS) -- -xc++ $(BASE) -Wno-pragma-once-outside-header
+	@mkdir -p $(BUILD) && printf '#include "%s"\n' $(LIB_HEADERS:lib/include/%=%) > $(BUILD)/tidy.cpp
+	@clang-tidy --quiet --header-filter='lib/include/.*' $(BUILD)/tidy.cpp -- $(BASE)
 
 # ---- double-precision references and baselines use Eigen; the library never does
 HOST += -isystem /usr/include/eigen3

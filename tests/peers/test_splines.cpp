@@ -41,7 +41,7 @@ double distance(const Spline& a, const Spline& b) {
 
 Track wave(std::size_t n, double noise) {
     std::mt19937 random{seed};
-    std::normal_distribution<double> normal{0, noise};
+    std::normal_distribution<double> normal;
     Track track;
     track.channel = Channel::position;
     track.period_s = 0.01;
@@ -49,7 +49,7 @@ Track wave(std::size_t n, double noise) {
         const double t = 0.01 * static_cast<double>(i);
         track.t.push_back(t);
         for (const double x : {std::sin(2 * t), 0.3 * std::cos(5 * t), t * t / 20})
-            track.x.push_back(x + normal(random));
+            track.x.push_back(x + noise * normal(random));
     }
     return track;
 }

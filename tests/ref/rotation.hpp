@@ -63,8 +63,8 @@ inline fairlead::Vec3 narrow(const V& v) {
 /// Vector with independent normal components.
 template <class Random>
 V normal(Random& random, double sigma) {
-    std::normal_distribution<double> n{0, sigma};
-    return {n(random), n(random), n(random)};
+    std::normal_distribution<double> n;
+    return {sigma * n(random), sigma * n(random), sigma * n(random)};
 }
 /// Uniform on all rotations, either sign.
 template <class Random>
