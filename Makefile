@@ -236,7 +236,7 @@ format: setup-lint ## rewrite the sources in the project's format
 	@clang-format -i $(OWN_SOURCES)
 format-check: setup-lint ## fail where a source is not in the project's format
 	@clang-format --dry-run --Werror $(OWN_SOURCES)
-tidy: setup-lint ## clang-tidy over the library and the programs
+tidy: setup-lint ## clang-tidy over the library
 	@mkdir -p $(BUILD) && printf '#include "%s"\n' $(LIB_HEADERS:lib/include/%=%) > $(BUILD)/tidy.cpp
 	@clang-tidy --quiet --header-filter='lib/include/.*' $(BUILD)/tidy.cpp -- $(BASE)
 

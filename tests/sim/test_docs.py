@@ -3,11 +3,12 @@
 
 A fragment stands in a frame of its own, tests/docs/PAGE.cpp, or PAGE_1.cpp, PAGE_2.cpp, ... where a
 page has several: the frame declares what the page takes for granted and includes the example."""
+import json
 import os
 import re
 import subprocess
 
-from simulator import ROOT, main
+from simulator import ROOT, main, must
 
 STRICT = ("-std=c++17 -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror "
           "-Wno-unused -ffp-contract=off").split()
@@ -58,6 +59,24 @@ def test_every_frame_has_its_example(_):
     known = {f"{p.stem}{end}" for p in PAGES if examples(p) for end in ("", "_1", "_2", "_3")}
     for frame in (ROOT / "tests" / "docs").glob("*.cpp"):
         assert frame.stem in known, frame
+
+
+def test_a_minute_at_rest_costs_what_the_page_says(folder):
+    page = (ROOT / "docs" / "reducer.md").read_text(encoding="utf-8")
+    generate, reduce = re.findall(r"^    build/fairlead-sim (.*rest\.trk.*)$", page, re.MULTILINE)[:2]
+    here = lambda line: [folder / w if w.startswith("rest.") else w for w in line.split()]
+    must(*here(generate))
+    rows = re.findall(r"^\| (?:a restart point|one at the start).*$", page, re.MULTILINE)
+    assert len(rows) == 2, rows
+    for row in rows:
+        restart = re.findall(r"`(--restart) (\d+)`", row)
+        said = [int(cell.replace(",", "")) for cell in row.split("|")[2:5]]
+        for delay, expected in zip((60, 120, 240), said, strict=True):
+            line = here(reduce.replace("--max-delay 120", f"--max-delay {delay}"))
+            summary = json.loads(must(*line, *(restart[0] if restart else [])))
+            assert summary["bytes"] == expected, (row, delay, summary)
+            for channel in ("position", "orientation"):
+                assert summary[channel]["control_points"] == 4, summary
 
 
 def test_links_lead_somewhere(_):

@@ -11,8 +11,8 @@
 // places at most, each at a cost that does not depend on the frame's length (wire/backlog.hpp), and
 // takes one frame at most; the next pushes go on. So frames that were held back come out while
 // later bytes go in, at most max_frame / (tries_per_byte - 1) bytes late; undamaged ones with their
-// last byte. Out of step, a second place that looks like a head is watched beside the first, so
-// that one false head does not hold back the restart frame that ends the damage.
+// last byte. Out of step, a second place that looks like a head is watched beside the first, by two
+// tries more, so that one false head does not hold back the restart frame that ends the damage.
 #include <array>
 #include <cstddef>
 #include <cstdint>
