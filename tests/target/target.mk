@@ -15,6 +15,8 @@ RISCV  := -isystem $(PICOLIBC)/include -nostdinc++ $(addprefix -isystem ,$(first
 
 export PYTHONDONTWRITEBYTECODE := 1
 .DEFAULT_GOAL := measure
+MAKEFILE := tests/target/target.mk
+include .ci/progress.mk
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -22,23 +24,19 @@ export PYTHONDONTWRITEBYTECODE := 1
 define machine
 objects_$(1) := $(if $(filter -,$(3)),platform_host,platform_core) stream
 $(BUILD)/$(1)/%.subject.o: tests/target/subjects/%.hpp tests/target/subject.cpp
-	@mkdir -p $$(@D)
-	$(2) $(7) $$(FLAGS_$(1)) -MMD -MP -DFAIRLEAD_SUBJECT='"$$<"' -c tests/target/subject.cpp -o $$@
+	$$(call step,$(1) $$*.subject.o) $(2) $(7) $$(FLAGS_$(1)) -MMD -MP -DFAIRLEAD_SUBJECT='"$$<"' -c tests/target/subject.cpp -o $$@
 $(BUILD)/$(1)/%.o: tests/target/%.cpp
-	@mkdir -p $$(@D)
-	$(2) $(7) $$(FLAGS_$(1)) -MMD -MP -c $$< -o $$@
+	$$(call step,$(1) $$*.o) $(2) $(7) $$(FLAGS_$(1)) -MMD -MP -c $$< -o $$@
 $(BUILD)/$(1)/%.o: port/cortex_m/%.cpp
-	@mkdir -p $$(@D)
-	$(2) $(7) $$(FLAGS_$(1)) -MMD -MP -c $$< -o $$@
+	$$(call step,$(1) $$*.o) $(2) $(7) $$(FLAGS_$(1)) -MMD -MP -c $$< -o $$@
 $(BUILD)/$(1)/user.subject.o: $(CONFIG) tests/target/user.hpp tests/target/subject.cpp always
-	@mkdir -p $$(@D)
-	$(2) $(7) $$(FLAGS_$(1)) -DFAIRLEAD_CONFIG='"$(abspath $(CONFIG))"' -DFAIRLEAD_SUBJECT='"tests/target/user.hpp"' -c tests/target/subject.cpp -o $$@
+	$$(call step,$(1) user.subject.o) $(2) $(7) $$(FLAGS_$(1)) -DFAIRLEAD_CONFIG='"$(abspath $(CONFIG))"' -DFAIRLEAD_SUBJECT='"tests/target/user.hpp"' -c tests/target/subject.cpp -o $$@
 ifeq ($(3),-)
 FLAGS_$(1) := $(COMMON)
 $(BUILD)/$(1)/%.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,run stream platform_host,$(BUILD)/$(1)/$(o).o)
-	$(2) $$^ -o $$@
+	$$(call step,$(1) $$*.elf) $(2) $$^ -o $$@
 $(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(STREAMS) tests/target/measure.py
-	tests/target/measure.py --build $(BUILD) $(1) $$*
+	$$(call step,$(1) $$*.result) tests/target/measure.py --build $(BUILD) $(1) $$*
 else
 FLAGS_$(1) := $(COMMON) $(DEVICE) $(if $(filter riscv%,$(2)),$(RISCV))
 LIBS_$(1) := $(if $(filter riscv%,$(2)),-L$(PICOLIBC)/lib/$(shell $(2) $(7) -print-multi-directory 2>/dev/null) -lc -lm -lgcc)
@@ -46,14 +44,14 @@ LINK_$(1) := $(if $(filter arm%,$(2)),-nostartfiles --specs=nano.specs,-nostdlib
 	-Wl,--defsym=ROM=$(word 1,$(subst :, ,$(4))),--defsym=ROM_SIZE=$(word 2,$(subst :, ,$(4))) \
 	-Wl,--defsym=RAM=$(word 1,$(subst :, ,$(5))),--defsym=RAM_SIZE=$(word 2,$(subst :, ,$(5)))
 $(BUILD)/$(1)/%.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,run stream platform_core $(6),$(BUILD)/$(1)/$(o).o) port/cortex_m/memory.ld
-	$(2) $(7) $$(LINK_$(1)) -Wl,-Map=$$@.map $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
+	$$(call step,$(1) $$*.elf) $(2) $(7) $$(LINK_$(1)) -Wl,-Map=$$@.map $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
 $(BUILD)/$(1)/%.bare.elf: $(BUILD)/$(1)/%.subject.o $(foreach o,bare $(6),$(BUILD)/$(1)/$(o).o) port/cortex_m/memory.ld
-	$(2) $(7) $$(LINK_$(1)) -Wl,-Map=$$@.map $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
+	$$(call step,$(1) $$*.bare.elf) $(2) $(7) $$(LINK_$(1)) -Wl,-Map=$$@.map $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
 $(BUILD)/$(1)/calibrate.elf: $(foreach o,calibrate $(6),$(BUILD)/$(1)/$(o).o) port/cortex_m/memory.ld
-	$(2) $(7) $$(LINK_$(1)) $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
+	$$(call step,$(1) calibrate.elf) $(2) $(7) $$(LINK_$(1)) $$(filter %.o,$$^) $$(LIBS_$(1)) -o $$@
 $(BUILD)/$(1)/%.result: $(BUILD)/$(1)/%.elf $(BUILD)/$(1)/%.bare.elf $(BUILD)/$(1)/none.bare.elf $(BUILD)/count.so $(STREAMS) \
 		tests/target/measure.py tests/target/elf.py tests/target/path.py
-	tests/target/measure.py --build $(BUILD) $(1) $$*
+	$$(call step,$(1) $$*.result) tests/target/measure.py --build $(BUILD) $(1) $$*
 endif
 endef
 row = $(call machine,$(word 1,$(1)),$(word 2,$(1)),$(word 3,$(1)),$(word 4,$(1)),$(word 5,$(1)),$(word 6,$(1)),$(wordlist 7,99,$(1)))
@@ -65,46 +63,41 @@ FIRMWARE_FLAGS = $(wordlist 7,99,$(shell grep '^m4f ' port/cortex_m/cores)) $(CO
 FIRMWARE_HEADERS := $(wildcard examples/firmware/*.hpp port/cortex_m/*.hpp) $(shell find lib -name '*.hpp')
 # optimised as a whole, but for the start-up, which calls main() like anything else
 $(FIRMWARE)/%.o: examples/firmware/%.cpp $(FIRMWARE_HEADERS)
-	@mkdir -p $(@D)
-	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto -c $< -o $@
+	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto -c $< -o $@
 $(FIRMWARE)/%.o: port/cortex_m/%.cpp $(FIRMWARE_HEADERS)
-	@mkdir -p $(@D)
-	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -c $< -o $@
+	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -c $< -o $@
 $(FIRMWARE)/firmware.elf: $(addprefix $(FIRMWARE)/,main.o board_mps2.o startup.o) port/cortex_m/memory.ld
-	arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto=auto -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
+	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto=auto -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
 		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=256K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=64K $(filter %.o,$^) -o $@
 $(FIRMWARE)/check_frames: $(wildcard examples/firmware/* host_sim/curve_store.*) $(shell find lib -name '*.hpp')
-	@mkdir -p $(@D)
-	g++ $(COMMON) -O2 examples/firmware/check_frames.cpp host_sim/curve_store.cpp -o $@
+	$(call step,$@) g++ $(COMMON) -O2 examples/firmware/check_frames.cpp host_sim/curve_store.cpp -o $@
 .PHONY: firmware firmware-run
 firmware: $(FIRMWARE)/firmware.elf
-	tests/target/size.py --readme examples/firmware/README.md $(if $(ACCEPT),--accept) $<
+	@tests/target/size.py --readme examples/firmware/README.md $(if $(ACCEPT),--accept) $<
 firmware-run: $(FIRMWARE)/firmware.elf $(FIRMWARE)/check_frames
-	timeout 120 qemu-system-arm -M mps2-an386 -icount shift=3,sleep=off -nographic -monitor none -serial file:$(FIRMWARE)/frames.bin \
+	@timeout 120 qemu-system-arm -M mps2-an386 -icount shift=3,sleep=off -nographic -monitor none -serial file:$(FIRMWARE)/frames.bin \
 		-semihosting-config enable=on,target=native -kernel $<
-	$(FIRMWARE)/check_frames $(FIRMWARE)/frames.bin
+	@$(FIRMWARE)/check_frames $(FIRMWARE)/frames.bin
 
 $(BUILD)/count.so: tests/target/count.c
-	@mkdir -p $(@D)
-	$(CC) -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC $< -o $@
+	$(call step,$@) $(CC) -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC $< -o $@
 
 -include $(wildcard $(BUILD)/*/*.d)
 
 $(BUILD)/errors: tests/target/errors/errors.cpp tests/target/stream.cpp host_sim/curve_store.cpp
-	@mkdir -p $(@D)
-	g++ $(COMMON) -O1 -isystem /usr/include/eigen3 -MMD -MP -MF $@.d $(filter %.cpp,$^) -o $@
+	$(call step,$@) g++ $(COMMON) -O1 -isystem /usr/include/eigen3 -MMD -MP -MF $@.d $(filter %.cpp,$^) -o $@
 $(BUILD)/errors.tsv: $(BUILD)/errors tests/target/streams/adverse
-	$< >$@
+	@$< >$@
 -include $(BUILD)/errors.d
 
 EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(core)" {print $$3}' port/cortex_m/cores)),$(core)))
 .PHONY: images measure calibrate same-bits bounds trap
 calibrate: $(BUILD)/count.so $(EMULATED:%=$(BUILD)/%/calibrate.elf)
-	tests/target/calibrate.py $(BUILD) $(EMULATED)
-	tests/target/walk.py $(BUILD)
+	@tests/target/calibrate.py $(BUILD) $(EMULATED)
+	@tests/target/walk.py $(BUILD)
 BOUNDED := $(filter m%,$(CORES))
 bounds: $(if $(ROWS),,$(BUILD)/errors.tsv) $(foreach core,$(BOUNDED),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
-	tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(BOUNDED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
+	@tests/target/bounds.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(BOUNDED) $(if $(ACCEPT),--accept) $(if $(ROWS),--rows)
 # a user's own configuration: CONFIG=header CORES=core, perhaps RECORDING=file BUDGET=instructions
 ifdef CONFIG
 KNOWN_CORES := $(shell awk '!/^\#/ && NF && $$3 != "-" {print $$1}' port/cortex_m/cores)
@@ -112,19 +105,19 @@ $(if $(filter-out $(KNOWN_CORES),$(CORES)),$(error CORE=$(CORES) is none of: $(K
 $(foreach file,$(CONFIG) $(RECORDING),$(if $(wildcard $(file)),,$(error there is no file '$(file)')))
 endif
 user: $(CORES:%=$(BUILD)/%/user.elf) $(CORES:%=$(BUILD)/%/user.bare.elf) $(CORES:%=$(BUILD)/%/none.bare.elf) $(BUILD)/count.so
-	tests/target/user.py --build $(BUILD) --core $(CORES) $(if $(RECORDING),--recording $(RECORDING)) $(if $(BUDGET),--budget $(BUDGET))
+	@tests/target/user.py --build $(BUILD) --core $(CORES) $(if $(RECORDING),--recording $(RECORDING)) $(if $(BUDGET),--budget $(BUDGET))
 recordings: images
-	tests/target/recordings.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES) $(if $(SOAK),--soak)
+	@tests/target/recordings.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES) $(if $(SOAK),--soak)
 SEARCHES := $(SUBJECTS:%=search-%)
 .PHONY: $(SEARCHES)
 search: $(SEARCHES)
 $(SEARCHES): search-%: $(BUILD)/m4f/%.result $(BUILD)/count.so
-	tests/target/search.py --build $(BUILD) --core m4f $(if $(KEEP),--keep) $(if $(SEED),--seed $(SEED)) $(if $(TRIES),--budget $(TRIES)) $*
+	@tests/target/search.py --build $(BUILD) --core m4f $(if $(KEEP),--keep) $(if $(SEED),--seed $(SEED)) $(if $(TRIES),--budget $(TRIES)) $*
 .PHONY: user always recordings search
 always:
 trap: $(BUILD)/m4f/planted.elf $(BUILD)/count.so
-	tests/target/search.py --build $(BUILD) --core m4f planted --must-reach 6000 $(if $(SEED),--seed $(SEED)) $(if $(TRIES),--budget $(TRIES))
+	@tests/target/search.py --build $(BUILD) --core m4f planted --must-reach 6000 $(if $(SEED),--seed $(SEED)) $(if $(TRIES),--budget $(TRIES))
 same-bits: measure
-	tests/target/compare.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES)
+	@tests/target/compare.py --build $(BUILD) --subjects $(SUBJECTS) --cores $(CORES)
 images: $(foreach core,$(CORES),$(SUBJECTS:%=$(BUILD)/$(core)/%.elf))
 measure: $(foreach core,$(CORES),$(SUBJECTS:%=$(BUILD)/$(core)/%.result))
