@@ -35,7 +35,8 @@ CORTEX_M4 := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 # ---- setup: before anything is built, and once for all goals of this call (SETUP=no skips it)
 include .ci/progress.mk
 GOALS := $(or $(MAKECMDGOALS),$(.DEFAULT_GOAL))
-WORK  := $(filter-out help,$(GOALS))  # help needs nothing but make and a shell
+# help needs nothing but make and a shell
+WORK  := $(filter-out help,$(GOALS))
 ifeq (,$(COUNTING)$(DRY_RUN)$(filter no,$(SETUP)))
 ifneq (,$(if $(WORK),$(shell .ci/setup $(GOALS) || echo failed)))
 $(error the setup of '$(GOALS)' did not succeed; the lines above say why)
