@@ -30,7 +30,7 @@ std::size_t place(Random& random, std::size_t n) {
 
 /// The values of record i, as an array of floats: 7 of a pose, 9 of a sample.
 float* values_of(Recording& recording, std::size_t i, std::size_t& count) {
-    static_assert(sizeof(Pose) == 40 && sizeof(Sample) == 48);
+    static_assert(sizeof(Pose) == 40 && sizeof(Sample) == 56);
     if (!recording.samples.empty()) {
         count = 9;
         return &recording.samples[i].gyro_rad_s.x;

@@ -51,6 +51,7 @@ inline constexpr Bits mag_valid = 1u << 12;      // Sample: mag_uT holds a measu
 inline constexpr Bits gyro_clipped = 1u << 13;   // Sample: of what sensor, beside clipped
 inline constexpr Bits accel_clipped = 1u << 14;  // likewise
 inline constexpr Bits mag_clipped = 1u << 15;    // likewise
+inline constexpr Bits temperature_valid = 1u << 16;  // Sample: temperature_c holds a measurement
 }  // namespace flag
 
 /// One reading of an IMU, as the chip said it, in SI units and the body frame.
@@ -60,6 +61,8 @@ struct Sample {
     Vec3 accel_m_s2{};
     Vec3 mag_uT{};
     std::uint32_t flags{};
+    float temperature_c{};  // of the gyro's die: drivers and file readers set it, the temperature
+                            // table of a GyroCalibration (sense/calibrate.hpp) uses it
 };
 
 /// Position and orientation of a body. t_ns is the time at which the pose is TRUE: a centred filter
@@ -79,7 +82,7 @@ struct Event {
     std::uint32_t flags{};  // gap_before: events before this one are missing
 };
 
-static_assert(std::is_trivially_copyable_v<Sample> && sizeof(Sample) == 48);
+static_assert(std::is_trivially_copyable_v<Sample> && sizeof(Sample) == 56);
 static_assert(std::is_trivially_copyable_v<Pose> && sizeof(Pose) == 40);
 static_assert(std::is_trivially_copyable_v<Event> && sizeof(Event) == 16);
 
