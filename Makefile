@@ -180,9 +180,9 @@ clean: ## [] remove everything that was built
 ##@ More tests
 .PHONY: fresh-machine test-clang test-sanitize test-packages test-strain same-bytes
 TARGETS ?= demo test
-AS      ?= both
-fresh-machine: ## [fresh] run TARGETS="demo test" on a bare Debian 12 made for it, as root and as a user with sudo (AS=root|user|both)
-	@.ci/fresh-machine --as $(AS) $(TARGETS)
+RUN_AS  ?= both
+fresh-machine: ## [fresh] run TARGETS="demo test" on a bare Debian 12 made for it, as root and as a user with sudo (RUN_AS=root|user|both)
+	@.ci/fresh-machine --as $(RUN_AS) $(TARGETS)
 test-clang: ## [build demo script gateway test reference clang] the same tests, built with clang++
 	+@$(MAKE) test BUILD=build/clang CXX=clang++
 test-sanitize: ## [build demo script gateway test reference clang sanitize] the same tests under AddressSanitizer and UBSan
@@ -218,7 +218,7 @@ MEASURED := torn load history noise noise-table restart '--seconds 20 allocation
 gateway-measure: gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so ## [] the figures of docs/gateway.md: a quarter of an hour
 	@set -e; for what in $(MEASURED); do echo "fairlead-gateway-measure $$what"; $(BUILD)/fairlead-gateway-measure $$what; done
 VM_RECORDING := $(or $(firstword $(wildcard $(RECORDINGS)/08*.imu $(RECORDINGS)/*.imu)),-)
-linux-vm-test: gateway $(VM_PROGRAMS) ## [build script port linux-vm] boot a Debian kernel under QEMU and run the port against it (minutes)
+linux-vm-test: gateway $(VM_PROGRAMS) ## [linux-vm] boot a Debian kernel under QEMU and run the port against it (minutes)
 	@tests/linux_vm/run $(BUILD) $(VM_RECORDING)
 
 .PHONY: format format-check tidy

@@ -25,7 +25,7 @@ def header(*names):
 ARM, RISCV = word("arm-none-eabi-g++"), word("riscv64-unknown-elf-g++")
 MARKS = {
     # languages and tools
-    "g++": word("g++"), "gcc": word("gcc", "cc"), "clang": word("clang++"), "libclang-rt-14-dev": "-fsanitize=",
+    "g++": word("g++", "clang-tidy"), "gcc": word("gcc", "cc"), "clang": word("clang++"), "libclang-rt-14-dev": "-fsanitize=",
     "python3": r"\.py\b|/usr/bin/python3", "python3-yaml": r"import yaml",
     "clang-format": word("clang-format"), "clang-tidy": word("clang-tidy"),
     "cmake": word("cmake"), "pkgconf": word("pkg-config"),
