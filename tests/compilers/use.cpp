@@ -1,5 +1,5 @@
-// What a user makes of the library, so that every compiler meets the templates with their arguments: a pipeline of poses
-// with a filter, a pipeline of IMU samples, a decoder.
+// What a user makes of the library, so that every compiler meets the templates with their
+// arguments: a pipeline of poses with a filter, a pipeline of IMU samples, a decoder.
 #include <fairlead/imu_pipeline.hpp>
 #include <fairlead/pipeline.hpp>
 #include <fairlead/wire/decoder.hpp>
