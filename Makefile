@@ -148,7 +148,7 @@ test: $(TESTED) ## [build demo script gateway test reference] build and run all 
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 
 ##@ Build
-.PHONY: all sim record gateway headers registers readme install uninstall arduino clean
+.PHONY: all sim record gateway headers registers readme clean
 all: sim record gateway ## [] build every program that a user runs
 sim: $(BUILD)/fairlead-sim ## [build] build the host simulator, build/fairlead-sim
 record: $(BUILD)/fairlead-record ## [build port] build the recorder, build/fairlead-record
@@ -160,25 +160,11 @@ registers: $(BUILD)/fairlead-registers ## [build gateway] write docs/registers.m
 readme: demo ## [script] put the present output of make demo into the README
 	@tests/sim/test_readme.py --write
 
-PREFIX   ?= /usr/local
-INCLUDED := $(DESTDIR)$(PREFIX)/include
-SHARED   := $(DESTDIR)$(PREFIX)/share
-install: ## [] install the headers, fairlead.pc and the CMake package (PREFIX=/usr/local, DESTDIR=)
-	install -d $(INCLUDED) $(SHARED)/pkgconfig $(SHARED)/cmake
-	cp -R lib/include/fairlead $(INCLUDED)/
-	install -m 644 lib/fairlead.pc $(SHARED)/pkgconfig/
-	install -d $(SHARED)/cmake/fairlead && install -m 644 lib/cmake/*.cmake $(SHARED)/cmake/fairlead/
-uninstall: ## [] remove what install put there
-	rm -rf $(INCLUDED)/fairlead $(SHARED)/cmake/fairlead $(SHARED)/pkgconfig/fairlead.pc
-arduino: ## [] lay the library out for the Arduino tools, in build/arduino/fairlead
-	@rm -rf $(BUILD)/arduino && mkdir -p $(BUILD)/arduino/fairlead/src
-	@cp -R lib/include/fairlead $(BUILD)/arduino/fairlead/src/ && cp lib/library.properties LICENSE $(BUILD)/arduino/fairlead/
-	@printf '#pragma once\n#include "fairlead/pipeline.hpp"\n' >$(BUILD)/arduino/fairlead/src/fairlead.h
 clean: ## [] remove everything that was built
 	rm -rf build
 
 ##@ More tests
-.PHONY: fresh-machine test-clang test-sanitize test-packages test-strain same-bytes
+.PHONY: fresh-machine test-clang test-sanitize test-strain same-bytes
 TARGETS ?= demo test
 RUN_AS  ?= both
 fresh-machine: ## [fresh] run TARGETS="demo test" on a bare Debian 12 made for it, as root and as a user with sudo (RUN_AS=root|user|both)
@@ -187,8 +173,6 @@ test-clang: ## [build demo script gateway test reference clang] the same tests, 
 	+@$(MAKE) test BUILD=build/clang CXX=clang++
 test-sanitize: ## [build demo script gateway test reference clang sanitize] the same tests under AddressSanitizer and UBSan
 	+@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-D_GLIBCXX_ASSERTIONS -fsanitize=address,undefined -fno-sanitize-recover=all'
-test-packages: arduino ## [compile packages cortex-m] use the installed library from outside, and check every manifest
-	@tests/packages/check.py
 test-strain: $(BUILD)/tests/strain ## [build reference] hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
 	@tests/run $(BUILD)/tests/strain
 same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
@@ -274,3 +258,22 @@ port-device: $(BUILD)/device/drivers.o ## [cortex-m] the sensor drivers for a Co
 	@echo "ok port-device: no heap, no exceptions" && arm-none-eabi-size $<
 $(BUILD)/device/drivers.o: tests/port/device/drivers.cpp $(wildcard port/sensors/*.hpp) $(LIB_HEADERS)
 	$(call step,$<) arm-none-eabi-g++ $(CORTEX_M4) $(filter-out -pthread,$(DEVICE)) -fno-threadsafe-statics -c $< -o $@
+
+##@ Compilers and packages (docs/portability.md, docs/packages.md, docs/versions.md)
+.PHONY: compilers install uninstall dist test-packages release-check
+compilers: ## [script compilers] the public headers with all compilers, standards, warnings and other people's macros; what flags do
+	@tests/compilers/check.py
+	@tests/compilers/flags.py
+PREFIX    ?= /usr/local
+INSTALLED := $(DESTDIR)$(PREFIX)
+install: ## [install] install the headers, fairlead.pc and the CMake package (PREFIX=/usr/local, DESTDIR=)
+	@cmake -S lib -B $(BUILD)/install -DCMAKE_INSTALL_PREFIX=$(PREFIX) >/dev/null && cmake --install $(BUILD)/install
+uninstall: ## [] remove what install put there
+	rm -rf $(INSTALLED)/include/fairlead $(INSTALLED)/share/cmake/fairlead $(INSTALLED)/share/pkgconfig/fairlead.pc
+PROJECT_URL ?=
+dist: ## [script] make the release archives in build/dist (PROJECT_URL: the page that the manifests name)
+	@lib/packages/dist.py --url '$(PROJECT_URL)' $(BUILD)/dist
+test-packages: ## [script packages] make the archives, unpack each, and use it as its ecosystem does
+	@/usr/bin/python3 tests/packages/check.py
+release-check: ## [script] is this commit ready to be tagged as a release? says what is missing
+	@/usr/bin/python3 tests/packages/release.py

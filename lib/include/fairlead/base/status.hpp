@@ -4,6 +4,8 @@
 //   doubtful data -> a flag in the data (base/types.hpp).
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 enum class [[nodiscard]] Status : std::uint8_t{
@@ -54,6 +56,7 @@ constexpr const char* to_string(Status s) noexcept {
         case Status::address_in_use: return "address in use";
         case Status::protocol_error: return "protocol error";
         case Status::closed: return "closed";
+        default: break;
     }
     return "unknown";
 }

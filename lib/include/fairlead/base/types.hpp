@@ -16,6 +16,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 template <class Real>

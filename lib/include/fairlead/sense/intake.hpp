@@ -79,7 +79,8 @@ class Intake {
             case Verdict::backward: return counts_.add(Fault::backward_time), std::nullopt;
             case Verdict::leap: return counts_.add(Fault::leap), std::nullopt;
             case Verdict::gap: gap_ = true; break;
-            case Verdict::next: break;
+            case Verdict::next:
+            default: break;
         }
         Record out = record;
         out.flags |= channel_gaps_;
