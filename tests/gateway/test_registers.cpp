@@ -9,10 +9,8 @@
 #include <sstream>
 #include <string>
 
-#define TOML_HEADER_ONLY 1
-#include <toml++/toml.h>
-
 #include "examples/gateway/map_text.hpp"
+#include "examples/gateway/toml_parser.hpp"
 #include "examples/gateway/unit_table.hpp"
 #include "port/linux/registers_curve.hpp"
 
