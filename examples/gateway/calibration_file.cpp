@@ -11,7 +11,7 @@
 namespace fairlead::gateway {
 namespace {
 
-constexpr double entry_max = 100;      // of a matrix; a sensor's are near 0 and 1
+constexpr double entry_max = 100;  // of a matrix; a sensor's are near 0 and 1
 constexpr float determinant_min = 1e-3f;
 
 float determinant(const Mat3& m) noexcept {
@@ -103,10 +103,14 @@ bool parse_mounting(const std::string& text, Quat& q_bs) noexcept {
         if (!(words >> word)) return false;
         const float sign = word[0] == '-' ? -1.0f : 1.0f;
         if (word[0] == '-' || word[0] == '+') word.erase(0, 1);
-        if (word == "x") row = {sign, 0, 0};
-        else if (word == "y") row = {0, sign, 0};
-        else if (word == "z") row = {0, 0, sign};
-        else return false;
+        if (word == "x")
+            row = {sign, 0, 0};
+        else if (word == "y")
+            row = {0, sign, 0};
+        else if (word == "z")
+            row = {0, 0, sign};
+        else
+            return false;
     }
     std::string rest;
     if (words >> rest) return false;

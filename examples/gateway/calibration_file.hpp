@@ -1,6 +1,6 @@
 #pragma once
-// The calibration of a sensor unit, from a file: either the bytes of fairlead::save(calibration), as
-// a board or a program stored them (docs/calibrate.md), or a TOML text with any of these keys.
+// The calibration of a sensor unit, from a file: either the bytes of fairlead::save(calibration),
+// as a board or a program stored them (docs/calibrate.md), or a TOML text with any of these keys.
 //
 //   temperature_C = 25                   # at which the gyroscope's offset holds
 //   gyro_offset_rad_s = [0.01, 0, 0]     # truth = matrix * (reading - offset)

@@ -38,8 +38,8 @@ bool same(const std::vector<ButtonConfig>& a, const std::vector<ButtonConfig>& b
 bool same(const port::ModbusTcpLimits& a, const port::ModbusTcpLimits& b) {
     const auto& [clients, per_host, frame_ns, first_ns, idle_ns, per_second, burst] = a;
     return clients == b.clients && per_host == b.clients_per_host && frame_ns == b.frame_ns &&
-           first_ns == b.first_ns && idle_ns == b.idle_ns &&
-           per_second == b.requests_per_second && burst == b.burst;
+           first_ns == b.first_ns && idle_ns == b.idle_ns && per_second == b.requests_per_second &&
+           burst == b.burst;
 }
 
 }  // namespace
@@ -52,9 +52,9 @@ bool operator==(const UnitConfig& a, const UnitConfig& b) {
            file == b.file && speed == b.speed && loop == b.loop && device == b.device &&
            same(line, b.line) && same(imu, b.imu) && bus == b.bus && spi_hz == b.spi_hz &&
            mag_bus == b.mag_bus && same(calibration, b.calibration) &&
-           bias_max_rad_s == b.bias_max_rad_s && chip == b.chip &&
-           line_number == b.line_number && same(buttons, b.buttons) &&
-           tolerance_m == b.tolerance_m && tolerance_deg == b.tolerance_deg;
+           bias_max_rad_s == b.bias_max_rad_s && chip == b.chip && line_number == b.line_number &&
+           same(buttons, b.buttons) && tolerance_m == b.tolerance_m &&
+           tolerance_deg == b.tolerance_deg;
 }
 
 bool operator==(const RtuConfig& a, const RtuConfig& b) {
@@ -63,8 +63,7 @@ bool operator==(const RtuConfig& a, const RtuConfig& b) {
 }
 
 bool same_server(const Config& a, const Config& b) {
-    return a.listen == b.listen && a.allow == b.allow && a.rtu == b.rtu &&
-           same(a.limits, b.limits);
+    return a.listen == b.listen && a.allow == b.allow && a.rtu == b.rtu && same(a.limits, b.limits);
 }
 
 Config default_config() {
@@ -74,7 +73,8 @@ Config default_config() {
     return config;
 }
 
-void check_config(const Config& config, const std::string& where, std::vector<std::string>& errors) {
+void check_config(const Config& config, const std::string& where,
+                  std::vector<std::string>& errors) {
     const auto add = [&](const std::string& what) { errors.push_back(where + ": " + what); };
     if (config.units.empty()) add("there is no [[unit]]: nothing to serve");
     if (config.listen.empty() && !config.rtu)

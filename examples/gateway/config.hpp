@@ -46,7 +46,7 @@ struct UnitConfig {
     std::string device;  // serial line
     port::SerialConfig line{};
 
-    port::ImuSetup imu;  // sensor on this machine
+    port::ImuSetup imu;             // sensor on this machine
     std::string bus{"/dev/i2c-1"};  // or "/dev/spidev0.0"
     int spi_hz{1000000};
     int mag_bus{-1};  // I2C bus of the magnetometer; the sensor's own

@@ -1,6 +1,6 @@
 #pragma once
-// One table of a TOML file: typed values within bounds, every mistake with its line, and no key that
-// nobody asked for.
+// One table of a TOML file: typed values within bounds, every mistake with its line, and no key
+// that nobody asked for.
 #include <algorithm>
 #include <array>
 #include <set>
@@ -103,8 +103,8 @@ class Section {
         }
         if (!good) {
             fail(node->source(), key,
-                 "must be a list of " + std::to_string(N) + " numbers from " +
-                     short_number(-max) + " to " + short_number(max));
+                 "must be a list of " + std::to_string(N) + " numbers from " + short_number(-max) +
+                     " to " + short_number(max));
         }
     }
     const toml::node* find(const char* key) {

@@ -112,8 +112,7 @@ void tell(const ConfigResult& result) {
 void log_ready(const Service& service, const Config& config, const char* event) {
     for (const std::uint16_t port : service.ports())
         LogLine{Level::info, event}.add("port", port).add("units", config.units.size());
-    if (service.ports().empty())
-        LogLine{Level::info, event}.add("units", config.units.size());
+    if (service.ports().empty()) LogLine{Level::info, event}.add("units", config.units.size());
 }
 
 /// What a reload has come to, in the serving thread: what is wrong in the new configuration leaves

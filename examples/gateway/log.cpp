@@ -31,8 +31,7 @@ bool under_journal() noexcept {
         struct stat info {};
         if (stream == nullptr || fstat(STDERR_FILENO, &info) != 0) return false;
         char ours[64] = {};
-        std::snprintf(ours, sizeof ours, "%llu:%llu",
-                      static_cast<unsigned long long>(info.st_dev),
+        std::snprintf(ours, sizeof ours, "%llu:%llu", static_cast<unsigned long long>(info.st_dev),
                       static_cast<unsigned long long>(info.st_ino));
         return std::strcmp(stream, ours) == 0;
     }();

@@ -40,7 +40,8 @@ std::int64_t watchdog_period_ns() noexcept {
     const char* const period = std::getenv("WATCHDOG_USEC");
     const char* const pid = std::getenv("WATCHDOG_PID");
     if (period == nullptr) return 0;
-    if (pid != nullptr && std::strtoll(pid, nullptr, 10) != static_cast<long long>(getpid())) return 0;
+    if (pid != nullptr && std::strtoll(pid, nullptr, 10) != static_cast<long long>(getpid()))
+        return 0;
     const long long us = std::strtoll(period, nullptr, 10);
     return us > 0 && us < INT64_MAX / 1000 ? us * 1000 : 0;
 }

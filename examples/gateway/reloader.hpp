@@ -30,7 +30,8 @@ class Reloader {
 
     /// Throws std::system_error when the system has no descriptor or thread left.
     explicit Reloader(std::function<ConfigResult()> load);
-    /// Waits for what the thread is doing. While is_busy() that can be the time of a large recording.
+    /// Waits for what the thread is doing. While is_busy() that can be the time of a large
+    /// recording.
     ~Reloader();
     Reloader(const Reloader&) = delete;
     Reloader& operator=(const Reloader&) = delete;

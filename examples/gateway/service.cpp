@@ -99,12 +99,13 @@ void Service::change_server(const Config& config) {
     for (std::size_t i = 0; i < config.listen.size(); ++i) {
         ports_.push_back(tcp_->port(i));
         const port::Endpoint& at = config.listen[i];
-        const bool told = std::find(config_.listen.begin(), config_.listen.end(), at) !=
-                          config_.listen.end();
+        const bool told =
+            std::find(config_.listen.begin(), config_.listen.end(), at) != config_.listen.end();
         if (at.is_loopback() || told) continue;
         LogLine{Level::warning, "listening beyond this machine"}
             .add("address", to_text(at))
-            .add("why", "Modbus has no passwords: keep it behind a firewall, and server.allow short");
+            .add("why",
+                 "Modbus has no passwords: keep it behind a firewall, and server.allow short");
     }
 }
 
@@ -182,6 +183,7 @@ void Service::serve(const std::array<int, wake_max>& wake_fds, std::int64_t unti
         if (ready < 0) continue;  // a signal: its descriptor tells
         const std::int64_t now_ns = port::now_ns();
         server_state_.clients = static_cast<std::uint32_t>(tcp_->clients());
+        server_state_.log_dropped = LogWriter::dropped();
         tcp_->serve(&polled[wake_max], now_ns);
         if (rtu_) rtu_->serve(&polled[rtu_at], now_ns);
         collect();

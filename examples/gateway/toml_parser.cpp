@@ -88,7 +88,8 @@ std::optional<std::string> screen_toml(const std::string& text) {
         const std::string where = std::to_string(line);
         if (length == 0) return where + ": the text is not UTF-8";
         if (length > 1) {
-            if (!scanner.is_free()) return where + ": a letter beyond ASCII stands outside of a text";
+            if (!scanner.is_free())
+                return where + ": a letter beyond ASCII stands outside of a text";
             at += length;
             continue;
         }

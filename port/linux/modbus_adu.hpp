@@ -88,7 +88,8 @@ struct RtuSizes {
     bool open{};  // further bytes will tell more
 };
 
-/// Functions of MODBUS Application Protocol V1.1b3, sections 6.1 to 6.18. Others have no known size.
+/// Functions of MODBUS Application Protocol V1.1b3, sections 6.1 to 6.18. Others have no known
+/// size.
 constexpr RtuSizes rtu_sizes(const std::uint8_t* bytes, std::size_t size) noexcept {
     if (size < 2) return {0, 0, true};
     const auto counted = [&](std::size_t at, std::size_t around) -> std::size_t {

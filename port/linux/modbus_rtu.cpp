@@ -10,9 +10,9 @@ namespace fairlead::port {
 namespace {
 
 constexpr std::int64_t retry_every_ns = 1'000'000'000;
-constexpr std::int64_t margin_ns = 2'000'000;         // what a kernel may add between two bytes
-constexpr std::int64_t shortest_gap_ns = 1'750'000;   // by the specification, above 19200 baud
-constexpr std::int64_t late_max_ns = 1'000'000'000;   // from a request's first byte to its last
+constexpr std::int64_t margin_ns = 2'000'000;        // what a kernel may add between two bytes
+constexpr std::int64_t shortest_gap_ns = 1'750'000;  // by the specification, above 19200 baud
+constexpr std::int64_t late_max_ns = 1'000'000'000;  // from a request's first byte to its last
 
 /// 3.5 characters of 11 bits.
 std::int64_t character_gap_ns(int baud) noexcept {

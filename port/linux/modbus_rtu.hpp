@@ -28,7 +28,7 @@ namespace fairlead::port {
 struct ModbusRtuConfig {
     const char* device{""};  // must outlive the server
     SerialConfig line{19200, Parity::even, 1};
-    bool rs485{false};               // the driver switches the transmitter (TIOCSRS485)
+    bool rs485{false};                // the driver switches the transmitter (TIOCSRS485)
     std::int64_t gap_ns{16'000'000};  // pause that the pieces of a frame may have, at least 0
 };
 
@@ -70,12 +70,13 @@ class ModbusRtuServer {
     std::int64_t retry_ns_{};
     std::array<std::uint8_t, modbus::rtu_adu_max> buffer_{};  // since the last frame or silence
     std::size_t used_{};
-    std::int64_t since_ns_{};  // of its first byte
+    std::int64_t since_ns_{};                        // of its first byte
     bool lost_{};                                    // where a frame begins is not known
     std::array<std::uint8_t, request_size> late_{};  // a request's first pieces, before the silence
     std::size_t late_used_{};
     std::int64_t late_since_ns_{};
-    std::array<std::uint8_t, modbus::rtu_adu_max> request_{};  // the newest that waits for an answer
+    std::array<std::uint8_t, modbus::rtu_adu_max>
+        request_{};  // the newest that waits for an answer
     std::size_t request_used_{};
     std::int64_t now_ns_{};
     std::int64_t last_byte_ns_{};

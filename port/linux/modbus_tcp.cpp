@@ -64,8 +64,7 @@ ModbusTcpServer::Listener ModbusTcpServer::take_listener(const Endpoint& where,
                                                          const ModbusTcpSettings& wanted,
                                                          int* errno_out) noexcept {
     for (std::size_t i = 0; i < listeners_used_; ++i)
-        if (listeners_[i].where == where && listeners_[i].fd >= 0)
-            return {listeners_[i].fd, where};
+        if (listeners_[i].where == where && listeners_[i].fd >= 0) return {listeners_[i].fd, where};
     auto fd = listen_on(where, errno_out);
     if (fd) return {*fd, where};
     if (*errno_out != EADDRINUSE) return {};
@@ -88,7 +87,8 @@ ModbusTcpServer::Listener ModbusTcpServer::take_listener(const Endpoint& where,
 
 Status ModbusTcpServer::change(const ModbusTcpSettings& wanted, int* errno_out,
                                std::size_t* failed) noexcept {
-    if (wanted.limits.clients == 0 || wanted.limits.clients > slots_max) return Status::bad_argument;
+    if (wanted.limits.clients == 0 || wanted.limits.clients > slots_max)
+        return Status::bad_argument;
     if (wanted.networks_used > networks_max || wanted.endpoints_used > listeners_max)
         return Status::overrun;
     std::array<Listener, listeners_max> next{};

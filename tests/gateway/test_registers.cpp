@@ -10,6 +10,7 @@
 #include <string>
 
 #include "examples/gateway/map_text.hpp"
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/toml_parser.hpp"
 #include "examples/gateway/unit_table.hpp"
 #include "port/linux/registers_curve.hpp"
@@ -17,7 +18,7 @@
 namespace fairlead::gateway {
 namespace {
 
-namespace reg = port::registers;
+namespace reg = register_map;
 using port::CurveChannel;
 using port::CurveSpan;
 

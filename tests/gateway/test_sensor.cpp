@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/chain.hpp"
 #include "examples/gateway/reader.hpp"
 #include "examples/gateway/sensor.hpp"
@@ -23,7 +24,7 @@ namespace fairlead::gateway {
 namespace {
 
 using port::CurveChannel;
-namespace reg = port::registers;
+namespace reg = register_map;
 
 /// A swing about all axes, in the sensor's own terms.
 sim::Truth swing(std::int64_t t_ns) {

@@ -1,5 +1,5 @@
-// Text that is no configuration: refused with a line, whatever it is. tests/fuzz/config.cpp searches
-// further; what it found once stands here.
+// Text that is no configuration: refused with a line, whatever it is. tests/fuzz/config.cpp
+// searches further; what it found once stands here.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -37,7 +37,8 @@ TEST(Toml, BytesThatNoTomlHasAreRefusedWithTheirLine) {
     for (const char* bad : {"\xFF", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80",
                             "\xF0\x80\x80\x80", "\xC3", "\xE2\x82", "\x80"})
         EXPECT_EQ(first_error("x = 1\n"s + bad), "c:2: the text is not UTF-8");
-    for (const char* good : {"# \xC3\xA9", "# \xE2\x82\xAC", "# \xF0\x9F\x98\x80", "\xEF\xBB\xBF#", "x = \"\xC3\x90\" # \xC3\x90"})
+    for (const char* good : {"# \xC3\xA9", "# \xE2\x82\xAC", "# \xF0\x9F\x98\x80", "\xEF\xBB\xBF#",
+                             "x = \"\xC3\x90\" # \xC3\x90"})
         EXPECT_EQ(first_error(good).find("UTF"), std::string::npos) << first_error(good);
     EXPECT_EQ(first_error("n\xC3\x90"), "c:1: a letter beyond ASCII stands outside of a text");
     EXPECT_EQ(first_error(std::string(toml_size_max + 1, '#')),
@@ -46,7 +47,9 @@ TEST(Toml, BytesThatNoTomlHasAreRefusedWithTheirLine) {
 
 TEST(Toml, WhatTheFuzzerFoundStaysMended) {
     // toml++ looks for the end of a broken value beyond quotes: a letter in a text is none there
-    EXPECT_NE(first_error("TTTTTTTTs = 1979$5-27T07\"\"\":3\xEF\xBB\xBF" "0^n"), "none");
+    EXPECT_NE(first_error("TTTTTTTTs = 1979$5-27T07\"\"\":3\xEF\xBB\xBF"
+                          "0^n"),
+              "none");
     EXPECT_NE(first_error("x = 1979$\"\"\"\xC3\x90"), "none");
 }
 
@@ -61,7 +64,8 @@ TEST(Toml, DeepNestingIsRefused) {
 TEST(Toml, CutAndMutatedConfigurationsNeverStopTheProgram) {
     const std::string text = example();
     ASSERT_GT(text.size(), 1000u);
-    for (std::size_t n = 0; n < text.size(); n += 3) static_cast<void>(first_error(text.substr(0, n)));
+    for (std::size_t n = 0; n < text.size(); n += 3)
+        static_cast<void>(first_error(text.substr(0, n)));
     const unsigned seed = 20;
     std::mt19937 random{seed};
     const std::string special = "[]{}\"'=,.#\\\n\0\x80\xFF-+_ 0123456789eExXtTzZ:"s;
@@ -150,7 +154,8 @@ TEST_F(Files, ACalibrationComesFromTomlOrFromSavedBytes) {
     EXPECT_TRUE(same_calibration(kept, Calibration{}));
     errors.clear();
     read_calibration(write("short.cal", bytes.substr(0, 50)), kept, errors);
-    read_calibration(write("zero.toml", "mag_matrix = [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"), kept, errors);
+    read_calibration(write("zero.toml", "mag_matrix = [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"), kept,
+                     errors);
     read_calibration(write("nan.toml", "gyro_offset_rad_s = [nan, 0, 0]\n"), kept, errors);
     read_calibration(write("typo.toml", "gyro_ofset = [0, 0, 0]\n"), kept, errors);
     ASSERT_EQ(errors.size(), 4u);
@@ -176,7 +181,8 @@ TEST(Mounting, NamesTheSensorsAxesInTheBodysOrder) {
                 ASSERT_EQ(good, is_right_handed) << x << y << z;
                 if (!good) continue;
                 ++right;
-                // what the sensor feels along its x axis, say, arrives on the body's axis that names it
+                // what the sensor feels along its x axis, say, arrives on the body's axis that
+                // names it
                 const Vec3 felt{1, 2, 3};
                 const Vec3 body = rotate(q, felt);
                 EXPECT_NEAR(body.x, dot(axis(x), felt), 1e-5f);
