@@ -73,7 +73,7 @@ PEERS_SOURCES   := $(filter-out $(SISL),$(foreach d,. knots compress,$(call sour
 PEERS_SOURCES   := $(subst /./,/,$(PEERS_SOURCES))
 PORT_SOURCES    := $(call sources,port/linux/*.cpp)
 GATEWAY_SOURCES := $(filter-out %_main.cpp,$(call sources,examples/gateway/*.cpp))
-GATEWAY_LIBS    := -lmodbus -lsystemd -lgpiod
+GATEWAY_LIBS    := -lmodbus -lgpiod
 $(eval $(call archive,sim,$(SIM_SOURCES)))
 $(eval $(call archive,peers,$(PEERS_SOURCES)))
 $(eval $(call archive,port,$(PORT_SOURCES)))

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/models/sensor_model.hpp"
+#include "host_sim/models/chip_model.hpp"
 #include "host_sim/stream.hpp"
 
 namespace fairlead::vm {

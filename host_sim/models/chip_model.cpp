@@ -1,8 +1,8 @@
-#include "host_sim/models/sensor_model.hpp"
+#include "host_sim/models/chip_model.hpp"
 
 namespace fairlead::sim {
 
-void SensorModel::write(std::uint8_t byte) {
+void ChipModel::write(std::uint8_t byte) {
     if (!pointer_set_) {
         pointer_ = pointer_of(byte);
         pointer_set_ = true;
@@ -12,13 +12,13 @@ void SensorModel::write(std::uint8_t byte) {
     pointer_ = after(pointer_);
 }
 
-std::uint8_t SensorModel::read() {
+std::uint8_t ChipModel::read() {
     const std::uint8_t value = get(pointer_);
     pointer_ = after(pointer_);
     return value;
 }
 
-void SensorModel::reschedule() {
+void ChipModel::reschedule() {
     const double step = period_ns() / (1.0 + oscillator_ppm * 1e-6);
     if (running_ && step == step_ns_) return;
     running_ = step > 0;
@@ -27,7 +27,7 @@ void SensorModel::reschedule() {
     ticks_ = 0;
 }
 
-void SensorModel::advance(std::int64_t now_ns) {
+void ChipModel::advance(std::int64_t now_ns) {
     while (running_ && due_ns() <= now_ns) {
         now_ns_ = due_ns();
         ++ticks_;

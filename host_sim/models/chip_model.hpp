@@ -25,13 +25,13 @@ struct Truth {
 };
 using Motion = std::function<Truth(std::int64_t t_ns)>;
 
-class SensorModel {
+class ChipModel {
   public:
-    SensorModel(std::uint8_t address, Motion motion)
+    ChipModel(std::uint8_t address, Motion motion)
         : address_{address}, motion_{std::move(motion)} {}
-    virtual ~SensorModel() = default;
-    SensorModel(const SensorModel&) = delete;
-    SensorModel& operator=(const SensorModel&) = delete;
+    virtual ~ChipModel() = default;
+    ChipModel(const ChipModel&) = delete;
+    ChipModel& operator=(const ChipModel&) = delete;
 
     // -- the bus
     std::uint8_t address() const { return address_; }
