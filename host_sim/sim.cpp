@@ -24,6 +24,7 @@ void add_commands(CLI::App& app) {  // one line each
     fairlead::sim::add_experiment(app);
     fairlead::sim::add_generate(app);
     fairlead::sim::add_faults(app);
+    fairlead::sim::add_convert(app);
     fairlead::sim::add_info(app);
 }
 

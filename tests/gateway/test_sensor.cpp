@@ -16,8 +16,8 @@
 #include "fairlead/math/quat.hpp"
 #include "host_sim/models/icm42688_model.hpp"
 #include "host_sim/models/magnetometer_models.hpp"
-#include "host_sim/stream.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/recording.hpp"
+#include "host_sim/recording/writers.hpp"
 #include "port/linux/clock.hpp"
 
 namespace fairlead::gateway {

@@ -1,9 +1,9 @@
-#include "host_sim/event_file.hpp"
+#include "host_sim/recording/event_file.hpp"
 
 #include <charconv>
 
+#include "host_sim/recording/recording.hpp"
 #include "host_sim/spec.hpp"
-#include "host_sim/stream.hpp"
 
 namespace fairlead::sim {
 namespace {

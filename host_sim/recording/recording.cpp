@@ -1,50 +1,53 @@
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
 
-#include "host_sim/stream_binary.hpp"
-#include "host_sim/stream_text.hpp"
+#include "host_sim/recording/binary.hpp"
+#include "host_sim/recording/encoding.hpp"
+#include "host_sim/recording/layout.hpp"
+#include "host_sim/recording/merge.hpp"
+#include "host_sim/recording/text.hpp"
 
 namespace fairlead::sim {
 
 const char* to_string(Format format) {
     switch (format) {
-        case Format::imu: return "imu";
-        case Format::trk: return "trk";
-        case Format::euroc_imu: return "EuRoC IMU CSV";
-        case Format::poses_csv: return "pose CSV";
+        case Format::imu: return ".imu";
+        case Format::trk: return ".trk";
+        case Format::imu_text: return "text of an IMU";
+        case Format::pose_text: return "text of poses";
         case Format::tum: return "TUM";
+        case Format::kitti: return "KITTI poses";
     }
     return "?";
 }
 
-namespace {
-
 double median_step_s(const Recording& recording) {
     std::vector<std::int64_t> steps;
-    for (std::size_t i = 1; i < recording.size(); ++i)
-        steps.push_back(recording.t_ns(i) - recording.t_ns(i - 1));
+    for (std::size_t i = 1; i < recording.size(); ++i)  // a step beyond int64 is no step
+        if (std::int64_t step{};
+            !__builtin_sub_overflow(recording.t_ns(i), recording.t_ns(i - 1), &step))
+            steps.push_back(step);
     if (steps.empty()) return 0;
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
     return static_cast<double>(*middle) * 1e-9;
 }
 
-}  // namespace
-
-Recording parse_recording(std::string_view bytes, const std::string& name, Salvage salvage) {
+Recording parse_recording(std::string_view bytes, const std::string& name,
+                          const ReadOptions& options) {
     Recording recording;
     recording.name = stem_of(name);
     try {
-        if (looks_binary(bytes))
-            parse_binary(bytes, recording);
+        if (!looks_utf16(bytes) && looks_binary(bytes))
+            parse_binary(bytes, options, recording);
         else
-            parse_text(bytes, recording);
+            parse_text(bytes, options, sensor_of_name(name), recording);
     } catch (const BadData& damage) {
         const std::string where = name + ": " + damage.what();
-        if (salvage == Salvage::no || recording.size() == 0) throw BadData(where);
+        if (options.salvage == Salvage::no || recording.size() == 0) throw BadData(where);
         recording.damage = where;
     }
     if (recording.size() == 0) throw BadData(name + ": holds no records");
@@ -52,8 +55,16 @@ Recording parse_recording(std::string_view bytes, const std::string& name, Salva
     return recording;
 }
 
-Recording read_recording(const std::string& path, Salvage salvage) {
-    return parse_recording(read_bytes(path), path, salvage);
+Recording read_recording(const std::string& path, const ReadOptions& options) {
+    Recording recording = parse_recording(read_bytes(path), path, options);
+    if (options.with.empty()) return recording;
+    ReadOptions others = options;
+    others.columns.clear();  // they describe the first file
+    others.with.clear();
+    std::vector<Recording> parts{std::move(recording)};
+    for (const std::string& other : options.with)
+        parts.push_back(parse_recording(read_bytes(other), other, others));
+    return merged(parts);
 }
 
 std::string read_bytes(const std::string& path) {
