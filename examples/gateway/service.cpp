@@ -9,12 +9,8 @@
 
 #include "examples/gateway/follower.hpp"
 #include "examples/gateway/log.hpp"
-<<<<<<< HEAD
 #include "examples/gateway/text_file.hpp"
-#include "host_sim/stream.hpp"
-=======
 #include "host_sim/recording/recording.hpp"
->>>>>>> w19
 #include "port/linux/clock.hpp"
 
 namespace fairlead::gateway {

@@ -6,13 +6,8 @@
 #include <string>
 #include <vector>
 
-<<<<<<< HEAD
 #include "host_sim/models/chip_model.hpp"
-#include "host_sim/stream.hpp"
-=======
-#include "host_sim/models/sensor_model.hpp"
 #include "host_sim/recording/recording.hpp"
->>>>>>> w19
 
 namespace fairlead::vm {
 
