@@ -26,7 +26,7 @@ STRICT += -Wno-double-promotion  # clang 14 counts double{x} as implicit; g++ ch
 endif
 # the same bits everywhere: no fused multiply-add, no errno side of sqrt, baseline instruction set
 BITS   := -ffp-contract=off -fno-math-errno
-BASE   := -std=c++17 -g -pthread $(BITS) $(STRICT) -Ilib/include -I.
+BASE   := -std=c++17 -pthread $(BITS) $(STRICT) -Ilib/include -I.
 # double-precision references and baselines use Eigen; the library never does
 HOST   := $(BASE) $(OPT) $(EXTRA) -isystem /usr/include/eigen3
 DEVICE := $(BASE) $(OPT) -fno-exceptions -fno-rtti
@@ -50,7 +50,7 @@ $(BUILD)/obj/%.o: %.cpp
 	$(call step,$<) $(CXX) $(HOST) $(GLUE) -MMD -MP -c $< -o $@
 -include $(if $(and $(WORK),$(wildcard $(BUILD)/obj)),$(shell find $(BUILD)/obj -name '*.d'))
 # command-line glue is wide and never hot: compile it fast
-$(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1 -g0
+$(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1
 
 # $(call archive,NAME,SOURCES) makes lib<NAME>.a
 define archive
@@ -172,7 +172,7 @@ fresh-machine: ## [fresh] run TARGETS="demo test" on a bare Debian 12 made for i
 test-clang: ## [build demo script gateway test reference clang] the same tests, built with clang++
 	+@$(MAKE) test BUILD=build/clang CXX=clang++
 test-sanitize: ## [build demo script gateway test reference clang sanitize] the same tests under AddressSanitizer and UBSan
-	+@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-D_GLIBCXX_ASSERTIONS -fsanitize=address,undefined -fno-sanitize-recover=all'
+	+@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-g -D_GLIBCXX_ASSERTIONS -fsanitize=address,undefined -fno-sanitize-recover=all'
 test-strain: $(BUILD)/tests/strain ## [build reference] hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
 	@tests/run $(BUILD)/tests/strain
 same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
@@ -192,7 +192,7 @@ gateway-sanitize: $(SANITIZERS:%=gateway-sanitize-%) ## [build test gateway clan
 $(SANITIZERS:%=gateway-sanitize-%): SANITIZED = $(BUILD)/sanitize-$(@:gateway-sanitize-%=%)
 $(SANITIZERS:%=gateway-sanitize-%): export TSAN_OPTIONS := halt_on_error=1
 $(SANITIZERS:%=gateway-sanitize-%): gateway-sanitize-%:
-	+@$(MAKE) BUILD=$(SANITIZED) CXX=clang++ OPT=-O1 EXTRA="-fsanitize=$(if $(filter address,$*),address$(comma)undefined,$*) -fno-sanitize-recover=all" \
+	+@$(MAKE) BUILD=$(SANITIZED) CXX=clang++ OPT=-O1 EXTRA="-g -fsanitize=$(if $(filter address,$*),address$(comma)undefined,$*) -fno-sanitize-recover=all" \
 	  $(addprefix $(SANITIZED)/,tests/gateway fairlead-gateway fairlead-gateway-measure)
 	@tests/run $(SANITIZED)/tests/gateway
 	@set -e; for run in '--growth 100000 memory' noise restart; do \
