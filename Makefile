@@ -65,12 +65,10 @@ $(BUILD)/$(strip $(1)): $(call objects,$(2)) $(foreach a,$(3),$(BUILD)/lib$(a).a
 endef
 
 # ---- archives: the simulator's parts, the rivals of the reducer, the Linux port, the gateway
-SIM_FOLDERS     := . commands models report experiments baselines/filters
-SIM_SOURCES     := $(filter-out host_sim/./sim.cpp,$(foreach d,$(SIM_FOLDERS),$(call sources,host_sim/$(d)/*.cpp)))
-SIM_SOURCES     := $(SIM_SOURCES:host_sim/./%=host_sim/%)
 SISL            := host_sim/baselines/knots/sisl.cpp
-PEERS_SOURCES   := $(filter-out $(SISL),$(foreach d,. knots compress,$(call sources,host_sim/baselines/$(d)/*.cpp)))
-PEERS_SOURCES   := $(subst /./,/,$(PEERS_SOURCES))
+SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/baselines/%,$(call sources,host_sim/*.cpp host_sim/*/*.cpp)) \
+                   $(call sources,host_sim/baselines/filters/*.cpp)
+PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
 PORT_SOURCES    := $(call sources,port/linux/*.cpp)
 GATEWAY_SOURCES := $(filter-out %_main.cpp,$(call sources,examples/gateway/*.cpp))
 GATEWAY_LIBS    := -lmodbus -lgpiod
@@ -109,12 +107,10 @@ $(BUILD)/count_allocations.so: tests/gateway/measure/count_allocations.c
 	$(call step,$<) gcc -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC $< -o $@
 
 # the port's programs for the emulated Linux machine are linked statically
-VM_PARTS    := $(call sources,host_sim/models/*.cpp host_sim/stream*.cpp) host_sim/writers.cpp \
-               $(addprefix port/linux/,gpio.cpp i2c.cpp i2c_smbus.cpp)
 VM_TESTS    := slave stream stub iio edges verify
 VM_PROGRAMS := $(addprefix $(BUILD)/linux_vm/bin/,$(VM_TESTS) record)
-$(foreach p,$(VM_TESTS),$(eval $(call program,linux_vm/bin/$(p),tests/linux_vm/$(p).cpp $(VM_PARTS),,-static -lgpiod -lz)))
-$(eval $(call program,linux_vm/bin/record,$(RECORD) $(VM_PARTS),,-static -lgpiod -lz))
+$(foreach p,$(VM_TESTS),$(eval $(call program,linux_vm/bin/$(p),tests/linux_vm/$(p).cpp,port sim,-static -lgpiod -lz)))
+$(eval $(call program,linux_vm/bin/record,$(RECORD),port sim,-static -lgpiod -lz))
 
 # every public header compiles alone, strictly, without exceptions and RTTI
 LIB_HEADERS := $(call sources,lib/include/fairlead/*.hpp lib/include/fairlead/*/*.hpp)
@@ -273,7 +269,7 @@ uninstall: ## [] remove what install put there
 PROJECT_URL ?=
 dist: ## [script] make the release archives in build/dist (PROJECT_URL: the page that the manifests name)
 	@lib/packages/dist.py --url '$(PROJECT_URL)' $(BUILD)/dist
-test-packages: ## [script packages] make the archives, unpack each, and use it as its ecosystem does
+test-packages: ## [packages] make the archives, unpack each, and use it as its ecosystem does
 	@/usr/bin/python3 tests/packages/check.py
 release-check: ## [script] is this commit ready to be tagged as a release? says what is missing
 	@/usr/bin/python3 tests/packages/release.py

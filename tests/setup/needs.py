@@ -30,6 +30,9 @@ MARKS = {
     "clang-format": word("clang-format"), "clang-tidy": word("clang-tidy"),
     "cmake": word("cmake"), "pkgconf": word("pkg-config"),
     "gnuplot-nox": r'fairlead-sim (?:replay|compare|experiment)|"make".*"demo"',
+    "g++-11": word("g++-11"), "g++-12": word("g++-12"), "g++-12-multilib": r"-m32\b", "clang-14": word("clang++-14"),
+    "clang-16": word("clang++-16"), "clang-19": word("clang++-19"), "gcc-xtensa-lx106": r"xtensa-lx106-elf-g\+\+",
+    "python3-kconfiglib": r"import kconfiglib",
     "debootstrap": word("debootstrap"), "util-linux": word("unshare"),
     # libraries
     "libcli11-dev": header("CLI/"),
@@ -58,6 +61,7 @@ COMES_WITH = {"gcc": ["g++"], "python3": ["python3-yaml", "python3-smbus2"]}
 # marks that show although the target does without the package
 UNNEEDED = {
     "test": {"clang"},  # test_same_bytes compares with clang++ where it is installed
+    "compilers": {"g++", "gcc", "qemu-system-misc"},  # it takes compilers by their versions, and runs nothing on RISC-V
     "attitude-counts": {"glpk-utils"},  # it imports the module with the stack bound and does not use it
 }
 
@@ -100,9 +104,10 @@ def script_text(path):
         for folder in (path.parent, ROOT / "tests/sim"):
             if (folder / f"{name}.py").is_file() and folder / f"{name}.py" != path:
                 text += script_text(folder / f"{name}.py")
-    for name in set(re.findall(r"[\w/]+\.py\b", text)):  # stub.py beside linux_vm/run
-        if (path.parent / name).is_file() and path.parent / name != path:
-            text += script_text(path.parent / name)
+    for name in set(re.findall(r"[\w/]+(?:\.py)?\b", text)):  # files beside it: linux_vm/stub.py, compilers/cells
+        file = path.parent / name
+        if file != path and (file.suffix == ".py" or f'"{name}"' in text or f"/{name}" in text) and file.is_file():
+            text += script_text(file)
     if "tests/target/target.mk" in text:
         text += everything_in(dry_run("-f", "tests/target/target.mk", *re.findall(r'"(CORES=[^"]*)"', text)))
     return text
