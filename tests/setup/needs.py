@@ -15,7 +15,7 @@ ROOT = HERE.parents[1]
 
 def word(*names):
     """A program's name, as a whole word of a command line or a quoted word of a script."""
-    return r"(?<![\w./+-])(?:" + "|".join(map(re.escape, names)) + r")(?![\w+-])"
+    return r"(?<![\w./+-])(?:" + "|".join(map(re.escape, names)) + r")(?![\w+/-])"
 
 
 def header(*names):
