@@ -22,11 +22,15 @@ def header(*names):
     return r"#include <(?:" + "|".join(map(re.escape, names)) + ")"
 
 
-ARM, RISCV = word("arm-none-eabi-g++"), word("riscv64-unknown-elf-g++")
+ARM, RISCV, XTENSA = (word(n + "-g++") for n in ("arm-none-eabi", "riscv64-unknown-elf", "xtensa-lx106-elf"))
 MARKS = {
     # languages and tools
     "g++": word("g++", "clang-tidy"), "gcc": word("gcc", "cc"), "clang": word("clang++"), "libclang-rt-14-dev": "-fsanitize=",
     "python3": r"\.py\b|/usr/bin/python3", "python3-yaml": r"import yaml",
+    "python3-kconfiglib": r"import kconfiglib",
+    # compilers beside those of Debian 12's own versions
+    "g++-11": word("g++-11"), "g++-12": word("g++-12"), "g++-12-multilib": r"-m32\b",
+    "clang-14": word("clang++-14"), "clang-16": word("clang++-16"), "clang-19": word("clang++-19"),
     "clang-format": word("clang-format"), "clang-tidy": word("clang-tidy"),
     "cmake": word("cmake"), "pkgconf": word("pkg-config"),
     "gnuplot-nox": r'fairlead-sim (?:replay|compare|experiment)|"make".*"demo"',
@@ -44,9 +48,10 @@ MARKS = {
     "libtomlplusplus-dev": header("toml++/"),
     # Modbus clients
     "mbpoll": word("mbpoll"), "python3-pymodbus": r"from pymodbus", "python3-serial-asyncio": r"from pymodbus",
-    # microcontrollers; the RISC-V build borrows the headers of the Arm one
-    "gcc-arm-none-eabi": ARM, "libnewlib-arm-none-eabi": ARM, "libstdc++-arm-none-eabi-newlib": ARM + "|" + RISCV,
-    "gcc-riscv64-unknown-elf": RISCV, "picolibc-riscv64-unknown-elf": RISCV, "qemu-system-misc": RISCV,
+    # microcontrollers; the RISC-V and Xtensa builds borrow the headers of the Arm one
+    "gcc-arm-none-eabi": ARM, "libnewlib-arm-none-eabi": ARM + "|" + XTENSA,
+    "libstdc++-arm-none-eabi-newlib": "|".join((ARM, RISCV, XTENSA)), "gcc-xtensa-lx106": XTENSA,
+    "gcc-riscv64-unknown-elf": RISCV, "picolibc-riscv64-unknown-elf": RISCV, "qemu-system-misc": r"qemu-system-riscv",
     "qemu-system-arm": r"qemu-system-arm", "glpk-utils": word("glpsol"),
     # the emulated Linux machine
     "qemu-system-x86": r"qemu-system-x86_64", "busybox-static": r"/bin/busybox", "cpio": word("cpio"),
@@ -103,6 +108,9 @@ def script_text(path):
     for name in set(re.findall(r"[\w/]+\.py\b", text)):  # stub.py beside linux_vm/run
         if (path.parent / name).is_file() and path.parent / name != path:
             text += script_text(path.parent / name)
+    for name in re.findall(r'"/(\w+)"', text):  # the table beside compilers/check.py
+        if (path.parent / name).is_file():
+            text += re.sub(r"^#.*$", "", text_of(path.parent / name), flags=re.MULTILINE)
     if "tests/target/target.mk" in text:
         text += everything_in(dry_run("-f", "tests/target/target.mk", *re.findall(r'"(CORES=[^"]*)"', text)))
     return text
