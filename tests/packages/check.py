@@ -163,6 +163,12 @@ def single(check):
     fine, said = run("g++", "-std=c++17", "-ffast-math", "-fsyntax-only", "-x", "c++", header)
     first = next((l for l in said.splitlines() if "error" in l), "")
     check.line("single header refuses fast-math", not fine and "fairlead: -ffast-math" in first, said)
+    page = open(ROOT + "/lib/packages/README.md").read()
+    code = re.search(r"^```cpp\n#include [^\n]*\n(.*?)^// for each[^\n]*\n(.*?)^```", page, re.M | re.S)
+    with open(check.folder + "/page.cpp", "w") as file:
+        file.write("void send(const std::uint8_t*, std::size_t);\n%svoid each(const fairlead::Pose& pose) {\n%s}\n" % (code[1], code[2]))
+    fine, said = run("g++", "-std=c++17", *WARN, "-fsyntax-only", "-include", header, check.folder + "/page.cpp")
+    check.line("the example of the archives' README compiles", fine, said)
     two = "#define USER_HEADER \"%s\"\n#include USER_HEADER\n#include USER_HEADER\n" % header
     pair = [check.folder + n for n in ("/one.cpp", "/two.cpp")]
     for path, more in zip(pair, ("int main() {}\n", "int other() { return 0; }\n")):
