@@ -273,7 +273,7 @@ uninstall: ## [] remove what install put there
 PROJECT_URL ?=
 dist: ## [script] make the release archives in build/dist (PROJECT_URL: the page that the manifests name)
 	@lib/packages/dist.py --url '$(PROJECT_URL)' $(BUILD)/dist
-test-packages: ## [script packages] make the archives, unpack each, and use it as its ecosystem does
+test-packages: ## [packages] make the archives, unpack each, and use it as its ecosystem does
 	@/usr/bin/python3 tests/packages/check.py
 release-check: ## [script] is this commit ready to be tagged as a release? says what is missing
 	@/usr/bin/python3 tests/packages/release.py

@@ -51,7 +51,8 @@ MARKS = {
     # microcontrollers; the RISC-V and Xtensa builds borrow the headers of the Arm one
     "gcc-arm-none-eabi": ARM, "libnewlib-arm-none-eabi": ARM + "|" + XTENSA,
     "libstdc++-arm-none-eabi-newlib": "|".join((ARM, RISCV, XTENSA)), "gcc-xtensa-lx106": XTENSA,
-    "gcc-riscv64-unknown-elf": RISCV, "picolibc-riscv64-unknown-elf": RISCV, "qemu-system-misc": r"qemu-system-riscv",
+    "gcc-riscv64-unknown-elf": RISCV, "picolibc-riscv64-unknown-elf": RISCV,
+    "qemu-system-misc": rf"(?s)\A(?=.*{RISCV})(?=.*qemu-system-riscv)",
     "qemu-system-arm": r"qemu-system-arm", "glpk-utils": word("glpsol"),
     # the emulated Linux machine
     "qemu-system-x86": r"qemu-system-x86_64", "busybox-static": r"/bin/busybox", "cpio": word("cpio"),
