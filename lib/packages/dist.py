@@ -38,7 +38,7 @@ NO_CONTRACTION = """
 #if defined(__clang__)
 #pragma clang fp contract(off)
 #else
-#pragma GCC optimize("fp-contract=off")
+#pragma GCC optimize("fp-contract=off", "no-math-errno")
 #endif
 """
 
@@ -116,19 +116,19 @@ def examples():
 
 
 def layouts(url):
-    """Archive name without version and ending -> (top folder, {path: bytes})."""
+    """End of the archive's name -> (top folder, {path: bytes})."""
     listed = [{"name": s, "base": "examples/" + s, "files": [s + ".ino"]} for s in sketches()]
-    cmake = {"CMakeLists.txt": read("lib/CMakeLists.txt"), "packages/fairlead.pc.in": read("lib/packages/fairlead.pc.in")}
+    cmake_files = {"CMakeLists.txt": read("lib/CMakeLists.txt"), "packages/fairlead.pc.in": read("lib/packages/fairlead.pc.in")}
     zephyr = {"zephyr/" + n: read("lib/zephyr/" + n) for n in ("module.yml", "CMakeLists.txt", "Kconfig")}
     return {
-        "cmake.tar.gz": ("fairlead-" + version(), {**common("include"), **cmake}),
-        "arduino.zip": ("fairlead", {**common("src"), **examples(), "src/fairlead.h": umbrella(),
+        "-cmake.tar.gz": ("fairlead-" + version(), {**common("include"), **cmake_files}),
+        "-arduino.zip": ("fairlead", {**common("src"), **examples(), "src/fairlead.h": umbrella(),
                                      "library.properties": filled("library.properties.in", URL=url)}),
-        "platformio.tar.gz": ("", {**common("include"), **examples(), "include/fairlead.h": umbrella(),
+        "-platformio.tar.gz": ("", {**common("include"), **examples(), "include/fairlead.h": umbrella(),
                                    "library.json": filled("library.json.in", EXAMPLES=json.dumps(listed))}),
-        "esp-idf.zip": ("fairlead", {**common("include"), "CMakeLists.txt": read("lib/CMakeLists.txt"),
+        "-esp-idf.zip": ("fairlead", {**common("include"), "CMakeLists.txt": read("lib/CMakeLists.txt"),
                                      "idf_component.yml": filled("idf_component.yml.in")}),
-        "zephyr.tar.gz": ("fairlead", {**common("include"), **zephyr}),
+        "-zephyr.tar.gz": ("fairlead", {**common("include"), **zephyr}),
     }
 
 
@@ -166,7 +166,7 @@ def main():
     made = {"fairlead-%s.hpp" % version(): single_header()}
     for name, (top, files) in layouts(options.url).items():
         placed = {(top + "/" if top else "") + path: content for path, content in files.items()}
-        made["fairlead-%s-%s" % (version(), name)] = zipped(placed) if name.endswith("zip") else tar_gz(placed)
+        made["fairlead-%s%s" % (version(), name)] = zipped(placed) if name.endswith("zip") else tar_gz(placed)
     sums = "".join("%s  %s\n" % (hashlib.sha256(made[n]).hexdigest(), n) for n in sorted(made))
     for name, content in [*made.items(), ("SHA256SUMS", sums.encode())]:
         with open(os.path.join(options.folder, name), "wb") as file:

@@ -117,8 +117,7 @@ def cells(report, pool, folder):
         results = [t.result() for t in tried]
         bad = [said for fine, said in results if not fine]
         how = "%d headers, each alone" % alone if alone else "all headers and use.cpp"
-        _, version = run([compiler, "-dumpfullversion"] if "g++" in compiler and "clang" not in compiler
-                         else [compiler, "-dumpversion"])
+        _, version = run([compiler, "-dumpversion" if compiler.startswith("clang") else "-dumpfullversion"])
         report.line(name, not bad, "%-24s %-8s %s: %s" % (compiler, version.strip(), how, " ".join(flags)),
                     bad[0] if bad else "")
 

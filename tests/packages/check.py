@@ -3,7 +3,7 @@
 single header, with FetchContent, find_package, add_subdirectory and pkg-config, and runs them; compiles the Arduino sketches
 against a stand-in for the boards' cores and runs them; reads the other manifests. All programs must produce the same frames.
 
-usage: check.py [PART...]      parts: archives cmake single arduino platformio esp_idf zephyr"""
+usage: check.py [PART...]      parts: archives cmake single arduino platformio esp_idf zephyr release"""
 import glob
 import hashlib
 import json
@@ -109,7 +109,7 @@ def archives(check):
         lacking = [h for h in headers if not any(f.endswith(h.partition("/")[2]) for f in found)]
         licence = glob.glob(to + "/**/LICENSE", recursive=True)
         check.line("%s: %d headers and the licence" % (ending.strip("-"), len(headers)), not lacking and licence, lacking)
-    tracked = run("git", "-C", ROOT, "grep", "-nF", check.version, "--", "lib", "host_sim", "port", "examples", "Makefile")[1]
+    tracked = run("git", "-C", ROOT, "grep", "-nwF", check.version, "--", "lib", "host_sim", "port", "examples", "Makefile")[1]
     check.line("no other file of the tree holds %s" % check.version,
                not [l for l in tracked.splitlines() if "version.hpp" not in l], tracked)
 
@@ -163,6 +163,12 @@ def single(check):
     fine, said = run("g++", "-std=c++17", "-ffast-math", "-fsyntax-only", "-x", "c++", header)
     first = next((l for l in said.splitlines() if "error" in l), "")
     check.line("single header refuses fast-math", not fine and "fairlead: -ffast-math" in first, said)
+    page = open(ROOT + "/lib/packages/README.md").read()
+    code = re.search(r"^```cpp\n#include [^\n]*\n(.*?)^// for each[^\n]*\n(.*?)^```", page, re.M | re.S)
+    with open(check.folder + "/page.cpp", "w") as file:
+        file.write("void send(const std::uint8_t*, std::size_t);\n%svoid each(const fairlead::Pose& pose) {\n%s}\n" % (code[1], code[2]))
+    fine, said = run("g++", "-std=c++17", *WARN, "-fsyntax-only", "-include", header, check.folder + "/page.cpp")
+    check.line("the example of the archives' README compiles", fine, said)
     two = "#define USER_HEADER \"%s\"\n#include USER_HEADER\n#include USER_HEADER\n" % header
     pair = [check.folder + n for n in ("/one.cpp", "/two.cpp")]
     for path, more in zip(pair, ("int main() {}\n", "int other() { return 0; }\n")):
@@ -285,7 +291,57 @@ def zephyr(check):
     check.with_cmake("Zephyr module, by a stand-in for its functions", stand_in + "add_subdirectory(%s/%s z)" % (root, build["cmake"]))
 
 
-PARTS = {f.__name__: f for f in (archives, cmake, single, arduino, platformio, esp_idf, zephyr)}
+def release(check):
+    """release.py says yes to a clone that is ready, and names each thing that is not."""
+    tree, version_file = check.folder + "/clone", "lib/include/fairlead/version.hpp"
+    files = run("git", "-C", ROOT, "ls-files", "-co", "--exclude-standard")[1].splitlines()
+    for name in files:
+        if os.path.isfile(os.path.join(ROOT, name)):
+            os.makedirs(os.path.dirname(os.path.join(tree, name)), exist_ok=True)
+            shutil.copy2(os.path.join(ROOT, name), os.path.join(tree, name))
+    who = ["-c", "user.name=fairlead", "-c", "user.email=fairlead@localhost"]
+
+    def change(name, how):
+        with open(os.path.join(tree, name)) as file:
+            before = file.read()
+        with open(os.path.join(tree, name), "w") as file:
+            file.write(how(before))
+
+    def commit():
+        run("git", "-C", tree, "add", "-A")
+        run("git", "-C", tree, *who, "commit", "-qm", "change")
+
+    def expect(name, word, *options):
+        fine, said = run(sys.executable, tree + "/tests/packages/release.py", *(options or ("--url", "https://localhost/fairlead")))
+        complaints = [l for l in said.splitlines() if l.startswith("FAIL")]
+        right = fine and "ready. When" in said if not word else not fine and len(complaints) == 1 and word in complaints[0]
+        check.line("release-check: " + name, right, said)
+
+    run("git", "init", "-q", tree)
+    change("CHANGELOG.md", lambda t: re.sub(r"^## Unreleased\n", "## Unreleased\n\n## %s (2030-01-01)\n" % check.version, t, flags=re.M))
+    commit()
+    expect("a commit that is ready", "")
+    expect("no page named", "page", "--url", "")
+    change("README.md", lambda t: t + "more\n")
+    expect("a change that is not committed", "uncommitted")
+    run("git", "-C", tree, "checkout", "-q", "README.md")
+    run("git", "-C", tree, "tag", "v" + check.version)
+    expect("a tag that exists", "is free")
+    change(version_file, lambda t: t.replace("MINOR %s\n" % check.version.split(".")[1], "MINOR 99\n"))
+    commit()
+    expect("a version without its section", "CHANGELOG")
+    change("CHANGELOG.md", lambda t: t.replace("## %s (" % check.version, "## %s (" % re.sub(r"\.\d+\.", ".99.", check.version)))
+    commit()
+    expect("the next version", "")
+    run("git", "-C", tree, "tag", "v99.0.0")
+    expect("a later tag", "later")
+    run("git", "-C", tree, "tag", "-d", "v99.0.0")
+    change("CHANGELOG.md", lambda t: t.replace("## Unreleased\n", "## Unreleased\n- something new\n"))
+    commit()
+    expect("entries left in Unreleased", "Unreleased")
+
+
+PARTS = {f.__name__: f for f in (archives, cmake, single, arduino, platformio, esp_idf, zephyr, release)}
 
 
 def main():

@@ -3,6 +3,7 @@
 // flags that break the rule are announced to no header (base/compiler.hpp refuses those that are),
 // and a start-up object of -ffast-math can switch the processor even for code that was compiled
 // without it. Call it once at start, on the board.
+#include <cfloat>
 #include <cstdint>
 
 #include "fairlead/base/compiler.hpp"
@@ -37,7 +38,7 @@ constexpr const char* to_string(Arithmetic a) noexcept {
 /// one place and not in another. Cost: about twenty operations on floats.
 inline Arithmetic check_arithmetic() noexcept {
     // the compiler must not compute the answers itself
-    const volatile float in[] = {1.00024414f, 1.00048828f, 1, 1e-9f, 5, -0.0f, 1.17549435e-38f};
+    const volatile float in[] = {0x1.001p0f, 0x1.002p0f, 1, 1e-9f, 5, -0.0f, FLT_MIN};
     const float x = in[0], y = in[1], one = in[2], tiny = in[3];  // x = 1 + 2^-12, y = 1 + 2^-11
     const float five = in[4], minus_zero = in[5], smallest = in[6];
     const volatile float product_less = x * x - y;  // x * x = y + 2^-24, which rounds to y

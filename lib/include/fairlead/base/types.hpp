@@ -57,7 +57,7 @@ inline constexpr Bits temperature_valid = 1u << 16;  // Sample: temperature_c ho
 }  // namespace flag
 
 /// One reading of an IMU, as the chip said it, in SI units and the body frame.
-struct Sample {
+struct alignas(8) Sample {  // 8: one layout, also where 64-bit integers need only 4
     std::int64_t t_ns{};
     Vec3 gyro_rad_s{};
     Vec3 accel_m_s2{};
@@ -69,7 +69,7 @@ struct Sample {
 
 /// Position and orientation of a body. t_ns is the time at which the pose is TRUE: a centred filter
 /// emits its centre tap's time.
-struct Pose {
+struct alignas(8) Pose {
     std::int64_t t_ns{};
     Vec3 p_w_m{};
     Quat q_wb{};
@@ -77,7 +77,7 @@ struct Pose {
 };
 
 /// A change on a discrete channel, such as a button or a trigger: from t_ns on it has this value.
-struct Event {
+struct alignas(8) Event {
     std::int64_t t_ns{};
     std::uint16_t channel{};
     std::uint16_t value{};
