@@ -24,6 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 
 #include "fairlead/base/types.hpp"
 #include "fairlead/sense/fault.hpp"
@@ -36,11 +37,23 @@ namespace fairlead {
 
 namespace detail {
 
-template <class Record>
+/// Stands for the gate of a value that nobody behind the intake takes: it is cleared.
+template <class Value>
+struct NoGate {
+    static void pass(std::int64_t, Value& value, flag::Bits& flags, const ChannelLimits& limits,
+                     const IntakeParams&, FaultCounts&) noexcept {
+        value = {};
+        flags &= ~(limits.valid | limits.gap);
+    }
+};
+template <class Value, bool taken>
+using Gate = std::conditional_t<taken, ChannelGate<Value>, NoGate<Value>>;
+
+template <class Record, flag::Bits values>
 class IntakeChannels;
 
-template <>
-class IntakeChannels<Pose> {
+template <flag::Bits values>
+class IntakeChannels<Pose, values> {
   public:
     void pass(Pose& r, const IntakeParams& p, FaultCounts& counts) noexcept {
         position_.pass(r.t_ns, r.p_w_m, r.flags,
@@ -50,12 +63,12 @@ class IntakeChannels<Pose> {
     }
 
   private:
-    ChannelGate<Vec3> position_{};
-    ChannelGate<Quat> orientation_{};
+    Gate<Vec3, (values & flag::position_valid) != 0> position_{};
+    Gate<Quat, (values & flag::orientation_valid) != 0> orientation_{};
 };
 
-template <>
-class IntakeChannels<Sample> {
+template <flag::Bits values>
+class IntakeChannels<Sample, values> {
   public:
     void pass(Sample& r, const IntakeParams& p, FaultCounts& counts) noexcept {
         gyro_.pass(r.t_ns, r.gyro_rad_s, r.flags, {flag::gyro_valid, 0, p.gyro_max_rad_s}, p,
@@ -66,13 +79,13 @@ class IntakeChannels<Sample> {
     }
 
   private:
-    ChannelGate<Vec3> gyro_{};
-    ChannelGate<Vec3> accel_{};
-    ChannelGate<Vec3> mag_{};
+    Gate<Vec3, (values & flag::gyro_valid) != 0> gyro_{};
+    Gate<Vec3, (values & flag::accel_valid) != 0> accel_{};
+    Gate<Vec3, (values & flag::mag_valid) != 0> mag_{};
 };
 
-template <std::size_t D>
-class IntakeChannels<VectorSample<D>> {
+template <std::size_t D, flag::Bits values>
+class IntakeChannels<VectorSample<D>, values> {
   public:
     void pass(VectorSample<D>& r, const IntakeParams& p, FaultCounts& counts) noexcept {
         value_.pass(r.t_ns, r.value, r.flags, {flag::vector_valid, flag::vector_gap, p.value_max},
@@ -85,8 +98,9 @@ class IntakeChannels<VectorSample<D>> {
 
 }  // namespace detail
 
-/// Record: Sample, Pose or VectorSample, with the valid bits set by its source.
-template <class Record>
+/// Record: Sample, Pose or VectorSample, with the valid bits set by its source. values: valid bits
+/// of what the stages behind take; the rest of a record is cleared, and costs no code.
+template <class Record, flag::Bits values = ~flag::Bits{0}>
 class Intake {
     using Clock = detail::IntakeClock;
     using Verdict = Clock::Verdict;
@@ -97,15 +111,14 @@ class Intake {
 
     constexpr Intake() noexcept : Intake{IntakeParams{}} {}
     constexpr explicit Intake(const IntakeParams& params, const IntakeLimits& limits = {}) noexcept
-        : asked_{params} {
+        : asked_{params}, checked_{fairlead::check(params, limits)} {
         set_limits(limits);
     }
 
-    /// Other limits from the next record on: what is accepted depends on them from then on.
+    /// Other limits from the next record on. A parameter that is beyond them counts as the limit.
     constexpr void set_limits(const IntakeLimits& limits) noexcept {
-        checked_ = fairlead::check(asked_, limits);
         limits_ = limits;
-        params_ = completed(asked_, limits);
+        params_ = within(completed(asked_, limits), limits);
     }
 
     /// Empty: nothing was accepted in this call; waiting() tells whether the record waits.
@@ -149,9 +162,13 @@ class Intake {
         return held_;
     }
 
-    /// The record that waits for the one after it: accepted already, or doubtful.
+    /// The record that waits for the one after it, accepted already or doubtful; null: none does.
     constexpr const Record* waiting() const noexcept {
         return state_ == Held::none ? nullptr : &held_;
+    }
+    /// The same where it is accepted already.
+    constexpr const Record* accepted() const noexcept {
+        return state_ == Held::accepted ? &held_ : nullptr;
     }
     /// Was the record of the last push refused?
     constexpr bool refused() const noexcept { return refused_; }
@@ -166,6 +183,10 @@ class Intake {
         refused_ = false;
     }
 
+    /// The longest pause within a curve that these limits would allow, ns.
+    constexpr std::int64_t gap_ns(const IntakeLimits& limits) const noexcept {
+        return within(completed(asked_, limits), limits).gap_ns;
+    }
     /// ok, or the name of the field for which the intake refuses everything.
     constexpr const Check& check() const noexcept { return checked_; }
     constexpr const FaultCounts& faults() const noexcept { return counts_; }
@@ -224,7 +245,7 @@ class Intake {
     Check checked_{};
     FaultCounts counts_{};
     Clock clock_{};
-    detail::IntakeChannels<Record> channels_{};
+    detail::IntakeChannels<Record, values> channels_{};
     Record held_{};
     flag::Bits channel_gaps_{0};
     Fault doubt_{};  // what the doubtful record is counted as if it is refused

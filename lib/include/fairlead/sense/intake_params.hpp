@@ -43,6 +43,16 @@ constexpr IntakeParams completed(IntakeParams p, const IntakeLimits& limits) noe
     return p;
 }
 
+/// The parameters, completed, with each that is beyond the limits at its limit.
+constexpr IntakeParams within(IntakeParams p, const IntakeLimits& limits) noexcept {
+    if (p.gap_ns < limits.spacing_min_ns) p.gap_ns = limits.spacing_min_ns;
+    if (p.gap_ns > limits.gap_ns_max) p.gap_ns = limits.gap_ns_max;
+    if (p.leap_ns < p.gap_ns) p.leap_ns = p.gap_ns;
+    if (p.position_max_m > limits.position_max_m) p.position_max_m = limits.position_max_m;
+    if (p.value_max > limits.value_max) p.value_max = limits.value_max;
+    return p;
+}
+
 /// Refuses a field that is out of its range, and one that lets in what the limits forbid.
 constexpr Check check(const IntakeParams& params, const IntakeLimits& limits = {}) noexcept {
     const Check ranges = detail::check_ranges(params);
