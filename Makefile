@@ -142,7 +142,7 @@ $(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
 	@$(BUILD)/fairlead-sim generate '$(DEMO_MOTION)' --seed 1 --out $@
 
 TEST_PROGRAMS := $(addprefix $(BUILD)/tests/,unit port gpio1 gpio2 gateway peers)
-TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py)
+TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/must_fail/test_*.py)
 TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/filter examples/reduce examples/decode)
 test: $(TESTED) ## [build demo script port gateway test reference] build and run all tests that need no other machine
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
@@ -189,6 +189,20 @@ test-strain: $(BUILD)/tests/strain ## [build reference script] hold fixed-lag st
 	@tests/run $(BUILD)/tests/strain
 same-bytes: ## [build script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
 	@tests/sim/test_same_bytes.py $(wildcard $(RECORDINGS)/tracker120/*.trk)
+
+# fuzz targets: clang, AddressSanitizer and UBSan, libFuzzer's own main; what they need of other parts is compiled with them
+SECONDS      ?= 60
+FUZZ_TARGETS := $(patsubst tests/fuzz/%.cpp,$(BUILD)/fuzz/%,$(call sources,tests/fuzz/*.cpp))
+FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all
+$(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp
+	@mkdir -p $(@D)
+	$(call step,$<) clang++ $(filter-out -g,$(BASE)) -Wno-double-promotion $(FUZZ_FLAGS) -MMD -MP -MF $@.d $< $(FUZZ_PARTS_$*) -o $@
+-include $(if $(WORK),$(wildcard $(BUILD)/fuzz/*.d))
+.PHONY: fuzz mutants
+mutants: $(BUILD)/libsim.a ## [build script test reference] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
+	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
+fuzz: $(FUZZ_TARGETS) ## [build clang script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
+	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
 
 .PHONY: gateway-peers gateway-firmware gateway-sanitize gateway-measure linux-vm-test
 gateway-peers: gateway ## [build script gateway modbus-peers] other people's Modbus clients against the gateway, TCP and RTU
