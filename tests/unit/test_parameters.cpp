@@ -90,7 +90,7 @@ TEST(Parameters, ThePageOfTypesHasEveryFlag) {
     std::stringstream source, told;
     source << types.rdbuf();
     told << page.rdbuf();
-    const std::regex flag{R"(Bits (\w+) = 1u << (\d+);)"};
+    const std::regex flag{R"(Bits (\w+) =\s+1u << (\d+);)"};
     const std::string text = source.str();
     int found = 0;
     for (std::sregex_iterator i{text.begin(), text.end(), flag}, end; i != end; ++i, ++found) {
