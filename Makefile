@@ -88,7 +88,7 @@ $(eval $(call program,fairlead-record,$(RECORD),port sim,-lgpiod))
 $(foreach p,gateway poll registers,$(eval \
   $(call program,fairlead-$(p),examples/gateway/$(p)_main.cpp,gateway port sim,$(GATEWAY_LIBS))))
 $(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/measure/*.cpp),gateway port sim,$(GATEWAY_LIBS)))
-$(foreach e,filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
+$(foreach e,attitude filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
 $(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,sim))
 $(eval $(call program,bench-peers,$(call sources,host_sim/bench_peers/*.cpp) $(SISL),peers sim,-lsisl -lz))
 $(eval $(call program,bench-smooth,host_sim/bench_smooth/smooth.cpp $(call sources,host_sim/baselines/filters/*.cpp),,-lbenchmark))
@@ -143,7 +143,7 @@ $(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
 
 TEST_PROGRAMS := $(addprefix $(BUILD)/tests/,unit port gpio1 gpio2 gateway peers)
 TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/must_fail/test_*.py)
-TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/filter examples/reduce examples/decode)
+TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/attitude examples/filter examples/reduce examples/decode)
 test: $(TESTED) ## [build demo script port gateway test reference] build and run all tests that need no other machine
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 

@@ -54,10 +54,9 @@ inline constexpr Bits gyro_clipped = 1u << 13;   // Sample: of what sensor, besi
 inline constexpr Bits accel_clipped = 1u << 14;  // likewise
 inline constexpr Bits mag_clipped = 1u << 15;    // likewise
 inline constexpr Bits temperature_valid = 1u << 16;  // Sample: temperature_c holds a measurement
-inline constexpr Bits new_run = 1u << 17;  // set by an intake: times before this record are of
-                                           // another clock and must not be compared with it
-inline constexpr Bits new_grid = 1u
-                                 << 18;  // set by a pipeline: the grid of its curves changes here
+inline constexpr Bits new_run = 1u << 17;   // set by an intake: times before this record are of
+                                            // another clock and must not be compared with it
+inline constexpr Bits new_grid = 1u << 18;  // inside a pipeline: curves change their grid
 inline constexpr Bits vector_valid = position_valid;  // VectorSample: value holds a measurement
 inline constexpr Bits vector_gap = position_gap;      // VectorSample: its curve starts anew
 }  // namespace flag
