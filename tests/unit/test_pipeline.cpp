@@ -206,7 +206,7 @@ TEST(Pipeline, RefusedParametersMakeItInertAndNamed) {
     EXPECT_EQ(field([](auto& p) { p.delay_records = 121; }), "delay_records");
     EXPECT_EQ(field([](auto& p) { p.delay_records = 15; }), "delay_records");
     EXPECT_EQ(field([](auto& p) { p.restart_interval_ns = -1; }), "restart_interval_ns");
-    EXPECT_EQ(field([](auto& p) { p.header_interval_ns = -1; }), "header_interval_ns");
+    EXPECT_EQ(field([](auto& p) { p.header_interval_ns = 999'999'999; }), "header_interval_ns");
     EXPECT_EQ(field([](auto& p) { p.event_delay_records = 1'000'001; }), "event_delay_records");
     EXPECT_EQ(field([](auto& p) { p.stream_id = 666; }), "stream_id");  // the encoder's own check
     EXPECT_EQ(field([](auto& p) { p.intake.gap_ns = -1; }), "gap_ns");
@@ -221,8 +221,8 @@ TEST(Pipeline, RefusedParametersMakeItInertAndNamed) {
 TEST(Pipeline, TheEdgesOfTheRangesAreGood) {
     Chain<PoseBoard>::Params params;
     params.sample_period_ns = 125'000;
-    params.tolerance.position_m = std::array<float, 3>{1e-9f, 1e6f, 1};
-    params.tolerance.orientation_rad = 1e-4f;
+    params.tolerance.position_m = std::array<float, 3>{1e-6f, 1e6f, 1};
+    params.tolerance.orientation_rad = 1.2e-4f;
     params.delay_records = 16;
     params.restart_interval_ns = 0;
     params.header_interval_ns = never_ns;

@@ -187,8 +187,8 @@ constexpr bool check_board() noexcept {
     if constexpr (has_delay<Board>) {
         static_assert(is_count<decltype(Board::delay_records_max)>,
                       "delay_records_max must be of type std::size_t");
-        static_assert(Board::delay_records_max >= 16 && Board::delay_records_max <= 1024,
-                      "delay_records_max must be 16 to 1024 records");
+        static_assert(Board::delay_records_max >= 16 && Board::delay_records_max <= 240,
+                      "delay_records_max must be 16 to 240 records");
     }
     if constexpr (has_beam<Board>)
         static_assert(std::is_same_v<std::remove_cv_t<decltype(Board::beam)>, Beam>,
@@ -196,7 +196,7 @@ constexpr bool check_board() noexcept {
     if constexpr (has_events<Board>) {
         static_assert(is_count<decltype(Board::events_max)>,
                       "events_max must be of type std::size_t");
-        static_assert(Board::events_max <= 64, "events_max must be 0 to 64");
+        static_assert(Board::events_max <= 6, "events_max must be 0 to 6");
     }
     return true;
 }

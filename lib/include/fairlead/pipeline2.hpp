@@ -15,6 +15,7 @@
 #include "fairlead/base/check.hpp"
 #include "fairlead/base/types.hpp"
 #include "fairlead/board.hpp"
+#include "fairlead/pipeline_codec.hpp"
 #include "fairlead/pipeline_front.hpp"
 #include "fairlead/pipeline_grid.hpp"
 #include "fairlead/sense/intake.hpp"
@@ -169,5 +170,9 @@ class BasicPipeline {
     std::optional<Record> front_out_{};
     std::optional<Record> filtered_{};
 };
+
+/// The pipeline with the encoder of this library.
+template <class Board>
+using Pipeline2 = BasicPipeline<Board, StreamEncoder>;
 
 }  // namespace fairlead

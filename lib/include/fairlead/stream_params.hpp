@@ -31,11 +31,29 @@ struct Tolerance;
 namespace detail {
 
 inline constexpr float position_tolerance_m = 0.001f, rotation_tolerance_rad = 0.0043633f;
-inline constexpr float rotation_tolerance_min = 1e-4f, rotation_tolerance_max = 0.5f;
+
+/// Ranges of the tolerances of a channel.
+template <class Channel>
+inline constexpr float tolerance_min = 1e-6f;
+template <class Channel>
+inline constexpr float tolerance_max = 1e6f;
+template <>
+inline constexpr float tolerance_min<Orientation> = 1.2e-4f;
+template <>
+inline constexpr float tolerance_max<Orientation> = 0.5f;
 
 template <std::size_t D, class Visit>
 constexpr void visit_axes(const char* name, const PerAxis<D>& axes, Visit& visit) noexcept {
-    for (std::size_t i = 0; i < D; ++i) visit(name, axes[i], 1e-9f, 1e6f);
+    for (std::size_t i = 0; i < D; ++i)
+        visit(name, axes[i], tolerance_min<Vector<D>>, tolerance_max<Vector<D>>);
+}
+
+template <std::size_t D>
+constexpr float smallest(const PerAxis<D>& axes) noexcept {
+    float least = axes[0];
+    for (std::size_t i = 1; i < D; ++i)
+        if (axes[i] < least) least = axes[i];
+    return least;
 }
 
 }  // namespace detail
@@ -54,8 +72,8 @@ struct Tolerance<Channels<Orientation>> {
     float orientation_rad{detail::rotation_tolerance_rad};  // 0.25 degrees
     template <class Visit>
     constexpr void each(Visit& visit) const noexcept {
-        visit("tolerance.orientation_rad", orientation_rad, detail::rotation_tolerance_min,
-              detail::rotation_tolerance_max);
+        visit("tolerance.orientation_rad", orientation_rad, detail::tolerance_min<Orientation>,
+              detail::tolerance_max<Orientation>);
     }
 };
 
@@ -88,7 +106,7 @@ struct StreamParams {
     Tolerance<AChannels> tolerance{};
     std::uint32_t delay_records{DelayMax};            // from a record to the bytes that cover it
     std::int64_t restart_interval_ns{2'000'000'000};  // 0: with every frame; never_ns
-    std::int64_t header_interval_ns{30'000'000'000};  // 0: with every restart; never_ns
+    std::int64_t header_interval_ns{60'000'000'000};  // never_ns: with runs alone
     std::uint16_t stream_id{0};                       // tells devices on one line apart
     std::uint32_t event_delay_records{0};             // that an event may wait for company
 
@@ -98,7 +116,7 @@ struct StreamParams {
         p.tolerance.each(visit);
         visit("delay_records", p.delay_records, 16u, static_cast<std::uint32_t>(DelayMax));
         visit("restart_interval_ns", p.restart_interval_ns, std::int64_t{0}, never_ns);
-        visit("header_interval_ns", p.header_interval_ns, std::int64_t{0}, never_ns);
+        visit("header_interval_ns", p.header_interval_ns, std::int64_t{1'000'000'000}, never_ns);
         visit("event_delay_records", p.event_delay_records, 0u, 1000000u);
     }
 };
