@@ -179,9 +179,11 @@ class Counter {
   private:
     /// floor(16 log2(n)), 1 <= n <= 2^15, by the table of powers.
     static constexpr Cost log2_16(std::uint32_t n) noexcept {
-        Cost c = 0;
-        while (c < cost_max && frequency(static_cast<std::uint8_t>(cost_max - c - 1u)) <= n) ++c;
-        return c;
+        const unsigned whole = bit_count(n) - 1u;
+        const std::uint32_t scaled = n << (15u - whole);  // [2^15, 2^16)
+        Cost part = 0;
+        while (part < 15 && scaled >= 2u * detail::power[15u - part]) ++part;
+        return 16u * whole + part;
     }
     Cost cost_{0};
 };

@@ -13,7 +13,7 @@ namespace fairlead::curve {
 inline constexpr int fine_bits = 10;
 inline constexpr std::int32_t fine = 1 << fine_bits;
 /// Largest |value| that an intake may let through, in steps.
-inline constexpr std::int32_t value_steps_max = 1 << 28;
+inline constexpr std::int32_t value_steps_max = 1 << 24;
 
 struct Scale {
     std::uint16_t m{256};  // 256 to 511
