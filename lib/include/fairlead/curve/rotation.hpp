@@ -123,28 +123,41 @@ inline std::array<float, 3> place(const Quat& anchor, const Quat& q, float step)
     return {r.x * inverse, r.y * inverse, r.z * inverse};
 }
 
+/// Slope at the end of a piece that rises by a number of steps that is no integer.
+inline std::int32_t slope_onto(std::int32_t s, bool chord, float rise, std::int32_t h) noexcept {
+    const float per_tick = static_cast<float>(slope_unit) * rise / static_cast<float>(h);
+    return detail::nearest_slope(chord ? per_tick : 2.0f * per_tick - static_cast<float>(s));
+}
+
+/// Moves the anchor to `target`, where the curve is: a place of the grid, not of the lattice. `end`
+/// is its place in the chart, in steps: place(anchor, target, step).
+inline void land(RotationState& state, const Quat& target, const std::array<float, 3>& end,
+                 float step) noexcept {
+    const auto& s = state.chart.s;
+    const Vec3 rate = body_rate({end[0] * step, end[1] * step, end[2] * step},
+                                {static_cast<float>(s[0]), static_cast<float>(s[1]),
+                                 static_cast<float>(s[2])});
+    state.anchor = target;
+    state.chart.v = {};
+    state.chart.s = {detail::nearest_slope(rate.x), detail::nearest_slope(rate.y),
+                     detail::nearest_slope(rate.z)};
+}
+
 /// Ends a segment exactly on `target` instead of a lattice point: the last piece of a frame that
-/// ends with a restart. `end` is target's place in the chart, in steps: place(anchor, target, step).
-/// Leaves the state as rebase() does.
+/// tells its end. A jump has been stepped already.
 inline void step_onto(RotationState& state, const Piece<3>& piece, const Quat& target,
                       const std::array<float, 3>& end, float step) noexcept {
     State<3>& chart = state.chart;
-    const float h = static_cast<float>(piece.subs / subs_per_tick);
-    const bool chord = ends_on_chord(piece.code, chart.fresh), jumped = piece.code == code::jump;
-    std::array<float, 3> speed{};
-    for (std::size_t c = 0; c < 3 && !jumped; ++c) {
-        const float rise = end[c] - static_cast<float>(chart.v[c]);
-        const float per_tick = static_cast<float>(slope_unit) * rise / h;
-        speed[c] = chord ? per_tick : 2.0f * per_tick - static_cast<float>(chart.s[c]);
+    if (piece.code != code::jump) {
+        const std::int32_t h = piece.subs / subs_per_tick;
+        const bool chord = ends_on_chord(piece.code, chart.fresh);
+        for (std::size_t c = 0; c < 3; ++c)
+            chart.s[c] =
+                slope_onto(chart.s[c], chord, end[c] - static_cast<float>(chart.v[c]), h);
+        remember(chart, piece);
+        chart.phase = 0;
     }
-    const Vec3 theta{end[0] * step, end[1] * step, end[2] * step};
-    const Vec3 rate = body_rate(theta, {speed[0], speed[1], speed[2]});
-    remember(chart, piece);
-    chart.phase = 0;
-    state.anchor = target;
-    chart.v = {};
-    chart.s = {detail::nearest_slope(rate.x), detail::nearest_slope(rate.y),
-               detail::nearest_slope(rate.z)};
+    land(state, target, end, step);
 }
 
 }  // namespace fairlead::curve

@@ -54,13 +54,14 @@ class AxisSearch {
         open_[0].fresh = fresh_;
     }
 
-    /// A sample at tick + part, value x. Hypotheses that it contradicts end.
-    void sample(std::int32_t tick, float part, std::int32_t x) noexcept {
+    /// A sample at tick + part, value x. Hypotheses that it contradicts end. from: those that begin
+    /// before this tick are not asked.
+    void sample(std::int32_t tick, float part, std::int32_t x, std::int32_t from) noexcept {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < open_count_; ++i) {
             Open& o = open_[i];
             const float age = static_cast<float>(tick - o.tick) + part;
-            if (age > 0.0f && !(o.fresh ? bound_fresh(o, age, x) : bound(o, age, x))) continue;
+            if (age > 0.0f && o.tick >= from && !(o.fresh ? bound_fresh(o, age, x) : bound(o, age, x))) continue;
             if (kept != i) open_[kept] = o;
             ++kept;
         }
@@ -108,13 +109,12 @@ class AxisSearch {
 
     /// Lets the children of the column grow, unless the frame ends here.
     void grow(std::int32_t tick) noexcept {
-        const bool only_jump = column_count_ == 1 && (column_[0].way & how::jump) != 0;
         for (std::size_t i = 0; i < column_count_; ++i) {
             const Child& c = column_[i];
             back_[index_][i] = {c.v, c.parent_column, c.way};
             open_child(c, tick, index_, i);
         }
-        if (column_count_ > 0 && !(only_jump && open_count_ > 1)) best_ = column_[0].cost;
+        best_ = column_[0].cost;
     }
     void record() noexcept {
         for (std::size_t i = 0; i < column_count_; ++i)

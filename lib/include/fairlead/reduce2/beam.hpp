@@ -51,6 +51,7 @@ inline constexpr std::uint8_t slot = 7;      // the parent's place in its column
 inline constexpr std::uint8_t line = 8;      // a straight line
 inline constexpr std::uint8_t jump = 16;     // a jump
 inline constexpr std::uint8_t to_end = 32;   // coded as "to the end of the frame"
+inline constexpr std::uint8_t rebase = 64;   // a rotation: the anchor moves behind the piece
 }  // namespace how
 
 /// A piece as the search commits it; k follows from the walk along the curve.

@@ -4,8 +4,9 @@
 // From a vertex at a whole tick to a later one, each part holds one lattice value over as many
 // samples as its tolerance allows; between two samples that contradict each other it is cut. Samples
 // keep 16 sub-ticks apart, so that a cut 8 sub-ticks behind a sample, or a whole tick between the
-// two, is always behind the one and before the other. The same walk counts the cost in the search
-// and gives the pieces to the coder: it depends on the samples and the first vertex alone.
+// two, is always behind the one and before the other. The chain ends on a target, where the curve
+// goes on: where the last samples do not allow it, a last cut follows them. The same walk counts the
+// cost in the search and gives the pieces to the coder: it depends on samples, vertex and target.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -18,10 +19,12 @@ template <std::size_t N>
 class JumpWalk {
   public:
     JumpWalk() = default;
-    /// Over samples [first, last), which lie behind tick `from` and not behind tick `to`.
-    JumpWalk(const std::array<std::int32_t, N>& v, std::int32_t from, std::int32_t to,
-             std::size_t first, std::size_t last) noexcept
+    /// Over samples [first, last), which lie behind tick `from` and not behind tick `to`. v() tells
+    /// afterwards whether the target was reached.
+    JumpWalk(const std::array<std::int32_t, N>& v, const std::array<std::int32_t, N>& target,
+             std::int32_t from, std::int32_t to, std::size_t first, std::size_t last) noexcept
         : v_{v},
+          target_{target},
           from_{from * curve::subs_per_tick},
           until_{from_},
           end_{to * curve::subs_per_tick},
@@ -29,7 +32,7 @@ class JumpWalk {
           last_{last} {}
 
     /// The next part. Source: Fit fit(); Moment when(i). Fit: bool add(source, i), true for the first;
-    /// std::array<int32, N> value(), a lattice value that holds all that were added.
+    /// value(), a lattice value that holds all that were added; bool holds(v), whether v does.
     template <class Source>
     bool next(const Source& source, curve::Piece<N>& piece) noexcept {
         if (from_ >= end_) return false;
@@ -39,8 +42,10 @@ class JumpWalk {
             auto fit = source.fit();
             std::size_t i = sample_;
             while (i < last_ && fit.add(source, i)) ++i;
-            const auto v = i > sample_ ? fit.value() : v_;
-            until_ = i < last_ && i > 0 ? cut(source.when(i - 1), source.when(i)) : end_;
+            const bool all = i >= last_, free = i == sample_;
+            const auto v = free || (all && fit.holds(target_)) ? target_ : fit.value();
+            until_ = !all ? cut(source.when(i - 1), source.when(i)) : end_;
+            if (all && v != target_) until_ = cut(source.when(i - 1), {end_ / curve::subs_per_tick});
             if (until_ > end_ || until_ <= from_) until_ = end_;
             for (std::size_t c = 0; c < N; ++c) piece.k[c] = v[c] - v_[c];
             v_ = v;
@@ -70,7 +75,7 @@ class JumpWalk {
                curve::spacing_subs_min / 2;
     }
 
-    std::array<std::int32_t, N> v_{};
+    std::array<std::int32_t, N> v_{}, target_{};
     std::int32_t from_{0}, until_{0}, end_{0};
     std::size_t sample_{0}, last_{0};
 };

@@ -31,8 +31,11 @@ struct VectorSegment {
 
 template <std::size_t D, class Kind, class BeamT, std::size_t Window>
 class VectorChannel {
+    /// A sample this close behind a column also bounds the pieces that end there, as far as they
+    /// would go on: it keeps vertices away from which no piece leads to it.
+    static constexpr float near_part = 0.25f;
     static_assert(D >= 1 && D <= 6, "a frame of 250 bytes holds one step of at most 6 axes");
-    static_assert(Window >= 1 && Window <= 250, "a window holds 1 to 250 records");
+    static_assert(Window >= 4 && Window <= 240, "a window holds 4 to 240 records");
 
   public:
     using Value = std::array<float, D>;
@@ -71,7 +74,7 @@ class VectorChannel {
         open_window(at.tick, guess);
         keep(at, value);
         column_samples_ = first_samples_ = samples_.count_to(at.tick);
-        bound(at, value);
+        bound(at, value, 0);
     }
 
     /// Can the window hold this value? Where not, the frame must end before it; in a window that has
@@ -91,9 +94,11 @@ class VectorChannel {
               Seam asked) noexcept {
         const bool told = end && asked != Seam::carry;
         const bool first = column >= 0 && (at.tick > column || (at.tick == column && at.part > 0));
+        const bool near = first && at.tick == column && at.part <= near_part;
+        if (near) bound(at, value, 0);
         if (first) offer(column, end, told, &at, &value);
         keep(at, value);
-        bound(at, value);
+        bound(at, value, near ? column - start_tick_ : 0);
         if (column >= 0 && !first) offer(column, end, told, nullptr, nullptr);
     }
 
@@ -134,7 +139,7 @@ class VectorChannel {
         if (!active_) return;
         open_window(0, guess);
         for (std::size_t i = 0; i < samples_.count(); ++i)
-            bound(samples_.when(i), samples_.value(i));
+            bound(samples_.when(i), samples_.value(i), 0);
     }
     void release() noexcept { samples_.release(); }
     void stop() noexcept {
@@ -179,7 +184,9 @@ class VectorChannel {
         c.sample = old_count_to(first, to);
         const std::uint8_t code = code_of(step.how, step.ticks);
         if (code == curve::code::jump) {
-            c.walk = JumpWalk<1>{c.state.v, c.tick, to, first, c.sample};
+            const std::int32_t end = segment_.start[axis].v[0] + step.v[0];
+            c.walk = JumpWalk<1>{c.state.v, {hard_ ? segment_.end_v[axis] : end},
+                                 c.tick,    to, first, c.sample};
             c.jumping = true;
             c.tick = to;
             return next_part(axis, piece);
@@ -231,6 +238,10 @@ class VectorChannel {
             low = l;
             high = h;
             return true;
+        }
+        bool holds(const std::array<std::int32_t, 1>& v) const noexcept {
+            const std::int64_t x = std::int64_t{v[0]} << curve::fine_bits;
+            return low <= x && x <= high;
         }
         std::array<std::int32_t, 1> value() const noexcept {
             const std::int64_t first = ceiling(low), last = high >> curve::fine_bits;
@@ -287,11 +298,11 @@ class VectorChannel {
         samples_.push(at, value);
         newest_ = at;
     }
-    void bound(const curve::Moment& at, const Value& value) noexcept {
+    void bound(const curve::Moment& at, const Value& value, std::int32_t from) noexcept {
         if (!reaches(value)) stalled_ = true;
         if (stalled_) return;
         for (std::size_t a = 0; a < D; ++a)
-            search_[a].sample(at.tick - start_tick_, at.part, relative(a, value));
+            search_[a].sample(at.tick - start_tick_, at.part, relative(a, value), from);
     }
 
     /// A column at `tick`. later: the sample behind it that made it due, not yet kept; null where the
@@ -322,7 +333,11 @@ class VectorChannel {
     void level_at(std::size_t a, std::int32_t tick, const curve::Moment* later,
                   const Value* later_value, Level& level, float& middle) const noexcept {
         const std::size_t last = samples_.count();
-        if (last == 0) return;
+        if (last == 0) {
+            if (later != nullptr && reaches(*later_value))
+                middle = static_cast<float>(relative(a, *later_value));
+            return;
+        }
         const curve::Moment at = samples_.when(last - 1);
         const bool on = at.tick == tick && !(at.part > 0.0f);
         if (!on) {
@@ -348,8 +363,11 @@ class VectorChannel {
                                code::jump_value_cost(static_cast<std::int32_t>(rise));
             if (search.cost() <= least) return;
         }
-        JumpWalk<1> walk{{v + state_[a].v[0]}, ticks_[columns_ - 1], tick, column_samples_,
-                         samples_.count()};
+        const float m = middle * (1.0f / curve::fine);
+        const std::int32_t target =
+            state_[a].v[0] + static_cast<std::int32_t>(m < 0 ? m - 0.5f : m + 0.5f);
+        JumpWalk<1> walk{{v + state_[a].v[0]}, {target},         ticks_[columns_ - 1], tick,
+                         column_samples_,      samples_.count()};
         curve::State<1> state = search.before_state(columns_ == 1);
         state.v[0] += state_[a].v[0];
         code::Counter counter;
@@ -366,6 +384,7 @@ class VectorChannel {
         segment_.starts = starts_;
         segment_.ends = last_;
         segment_.start = state_;
+        hard_ = stalled_;
         const Line line = trend(to);
         const std::size_t n = samples_.count_to(to);
         for (std::size_t a = 0; a < D; ++a) commit_axis(a, to, n, line, last_);
@@ -378,7 +397,10 @@ class VectorChannel {
                      bool last) noexcept {
         auto& search = search_[a];
         if (stalled_) {  // one jump from the start of the window, of any size
-            JumpWalk<1> walk{state_[a].v, start_tick_, tick, first_samples_, samples};
+            const Value& newest = samples_.value(samples_.count() - 1);
+            const auto target = static_cast<std::int32_t>(
+                (scale_.to_fine(newest[a]) + curve::fine / 2) >> curve::fine_bits);
+            JumpWalk<1> walk{state_[a].v, {target}, start_tick_, tick, first_samples_, samples};
             curve::Piece<1> piece;
             const NewSource source{*this, a};
             for (std::size_t i = 0; i < jump_parts_max && walk.next(source, piece); ++i)
@@ -440,7 +462,7 @@ class VectorChannel {
     std::int32_t start_tick_{0}, column_tick_{0}, end_tick_{0};
     std::size_t columns_{0}, column_samples_{0}, first_samples_{0};
     std::uint32_t failures_{0};
-    bool active_{false}, starts_{false}, stalled_{false}, last_{false};
+    bool active_{false}, starts_{false}, stalled_{false}, last_{false}, hard_{false};
 };
 
 }  // namespace fairlead::reduce2
