@@ -42,25 +42,21 @@ struct CurvePiece {
     Quat anchor{};                    // of a rotation
     curve::Scale scale{};             // of the lattice: value = steps * scale.step()
 
-    /// Steps at a time of sub-ticks since the run's base, within the piece, of component c.
+    /// Lattice steps of component c, `ticks` after the piece's start, which may have a fraction;
+    /// with Real = double the encoder's guarantee holds for it. A piece holds for times behind its
+    /// start up to its end, the first one of a curve also at its start.
     template <class Real>
-    Real steps_at(Real sub, std::size_t c = 0) const noexcept {
-        return static_cast<Real>(v[c]) + polynomial<Real>(c).rise(ticks(sub));
+    Real steps_at(Real ticks, std::size_t c = 0) const noexcept {
+        return static_cast<Real>(v[c]) + polynomial<Real>(c).rise(ticks);
     }
     /// Steps a tick, and steps a tick^2.
     template <class Real>
-    Real rate_at(Real sub, std::size_t c = 0) const noexcept {
-        return polynomial<Real>(c).rate(ticks(sub));
+    Real rate_at(Real ticks, std::size_t c = 0) const noexcept {
+        return polynomial<Real>(c).rate(ticks);
     }
     template <class Real>
-    Real bend_at(Real sub, std::size_t c = 0) const noexcept {
-        return polynomial<Real>(c).bend(ticks(sub));
-    }
-
-  private:
-    template <class Real>
-    Real ticks(Real sub) const noexcept {
-        return (sub - static_cast<Real>(start)) / static_cast<Real>(curve::subs_per_tick);
+    Real bend_at(Real ticks, std::size_t c = 0) const noexcept {
+        return polynomial<Real>(c).bend(ticks);
     }
     template <class Real>
     curve::Polynomial<Real> polynomial(std::size_t c) const noexcept {
@@ -68,7 +64,22 @@ struct CurvePiece {
         const auto h = static_cast<std::int32_t>((end - start) / curve::subs_per_tick);
         return curve::polynomial<Real>(code, fresh, s[c], static_cast<Real>(rise[c]), h);
     }
+    /// From the start to the end.
+    double ticks() const noexcept {
+        return static_cast<double>(end - start) / curve::subs_per_tick;
+    }
 };
+
+/// The rotation of a piece, `ticks` after its start.
+template <class Real>
+BasicQuat<Real> rotation_at(const CurvePiece& p, Real ticks) noexcept {
+    const auto step = static_cast<Real>(p.scale.step());
+    const BasicVec3<Real> theta{step * p.steps_at(ticks, 0), step * p.steps_at(ticks, 1),
+                                step * p.steps_at(ticks, 2)};
+    const BasicQuat<Real> anchor{static_cast<Real>(p.anchor.w), static_cast<Real>(p.anchor.x),
+                                 static_cast<Real>(p.anchor.y), static_cast<Real>(p.anchor.z)};
+    return anchor * from_rotation_vector(theta);
+}
 
 /// Axes, Rotations: the most that the stream's channels may hold together. Kinds: of their pieces.
 /// Memory: sizeof. CheckBits: see Receiver.

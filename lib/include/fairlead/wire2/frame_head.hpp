@@ -17,6 +17,8 @@ inline constexpr std::int64_t sub_per_tick = 64;
 inline constexpr std::uint32_t frame_ticks_max = 255;
 /// The longest pause between two frames of a run, in sub-ticks; beyond it a new run begins.
 inline constexpr std::int64_t jump_max = std::int64_t{1} << 44;
+/// A reader that joins tries so many times that have the low bits that it was told.
+inline constexpr int unwraps = 4;
 /// Sub-ticks of a run at most, on both sides of its base.
 inline constexpr std::int64_t run_max = std::int64_t{1} << 56;
 
@@ -57,7 +59,7 @@ constexpr void code_time(Io& io, std::int64_t& time, unsigned bits, std::int64_t
 template <class Io>
 constexpr bool code_ticks(Io& io, std::uint32_t& ticks, std::uint32_t usual) noexcept {
     bool same = ticks == usual;
-    io.flag(same, 3, 2);
+    io.flag(same, 7, 3);
     if (same) {
         ticks = usual;
         return true;

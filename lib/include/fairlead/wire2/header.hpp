@@ -3,12 +3,13 @@
 // and may be kept by a reader: the digest of its fixed part enters the check of every data frame,
 // so a header of another stream, run or device never decodes anything.
 //
-//   0xF8 | size | fixed part | end (8 bytes) | flags | CRC-32 of all before
-//   fixed part  version 1, stream id 2, run 2, base_ns 8, sub_ns 4, time bits 1 (bit 7: independent
-//               frames), usual ticks of a frame 2, number of channels 1, then for each channel
-//               type and kind 1, axes 1 (bit 7: a scale for each axis), tolerance over step 2,
-//               scales: mantissa 2, exponent 1
-// All numbers are little-endian (docs/stream.md).
+//   0xF8 | size | fixed part | end | flags 1 | CRC-32 of all before
+//   fixed part  version 1, stream id 2, run 2, base_ns 8, sub_ns v, time bits 1 (bit 7: independent
+//               frames), usual ticks of a frame v, number of channels 1, then for each channel
+//               type and kind 1, axes 1 (bit 7: a step for each axis), tolerance over step 2,
+//               steps: mantissa less 256 1, exponent 1
+//   end         v, zigzag
+// Numbers are little-endian; v: 7 bits a byte, bit 7 says that more follow (docs/stream.md).
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +21,7 @@ namespace fairlead::wire2 {
 
 inline constexpr std::size_t channels_max = 4, axes_max = 8;
 
-/// A step of the lattice: mantissa * 2^exponent, in the channel's unit.
+/// A step of the lattice: mantissa * 2^exponent, in the channel's unit; mantissa 256 to 511.
 struct Step {
     std::uint16_t mantissa{0};
     std::int8_t exponent{0};
@@ -72,8 +73,12 @@ struct Header {
     bool starts{false};       // the run begins behind this header frame
 };
 
-inline constexpr std::size_t shape_size_max = 21 + channels_max * (4 + 3 * axes_max);
-inline constexpr std::size_t header_frame_max = 2 + shape_size_max + 9 + crc_size;
+/// Bytes of a header frame with so many channels and steps at most.
+constexpr std::size_t header_size_max(std::size_t channels, std::size_t steps) noexcept {
+    return 2 + (16 + 5 + 3) + 4 * channels + 2 * steps + (10 + 1) + crc_size;
+}
+inline constexpr std::size_t header_frame_max =
+    header_size_max(channels_max, channels_max* axes_max);
 static_assert(header_frame_max <= long_frame_max);
 
 namespace detail {
@@ -87,6 +92,14 @@ struct ByteWriter {
         auto wide = static_cast<std::uint64_t>(v);
         for (; bytes > 0 && size < capacity; --bytes, wide >>= 8)
             data[size++] = static_cast<std::uint8_t>(wide);
+    }
+    template <class Unsigned>
+    constexpr void varying(Unsigned& v) noexcept {
+        auto wide = static_cast<std::uint64_t>(v);
+        for (bool more = true; more && size < capacity; wide >>= 7) {
+            more = wide >> 7 != 0;
+            data[size++] = static_cast<std::uint8_t>((wide & 0x7fu) | (more ? 0x80u : 0u));
+        }
     }
     constexpr bool ok() const noexcept { return true; }
 };
@@ -102,6 +115,19 @@ struct ByteReader {
         for (std::size_t i = 0; good && i < bytes; ++i)
             wide |= std::uint64_t{data[size++]} << (8 * i);
         v = static_cast<Unsigned>(wide);
+    }
+    template <class Unsigned>
+    constexpr void varying(Unsigned& v) noexcept {
+        std::uint64_t wide = 0;
+        bool more = true;
+        for (unsigned shift = 0; more && good && shift < 70; shift += 7) {
+            std::uint8_t byte = 0;
+            number(byte, 1);
+            more = (byte & 0x80u) != 0;
+            if (shift < 64) wide |= std::uint64_t{byte & 0x7fu} << shift;
+        }
+        v = static_cast<Unsigned>(wide);
+        good = good && !more && v == wide;
     }
     constexpr bool ok() const noexcept { return good; }
 };
@@ -119,7 +145,9 @@ constexpr void code_channel(Io& io, ChannelShape& c) noexcept {
     if (!Io::writes) steps = (axes & 0x80u) != 0 ? c.axes : 1;
     io.number(c.tolerance, 2);
     for (std::size_t i = 0; i < steps && i < axes_max; ++i) {
-        io.number(c.step[i].mantissa, 2);
+        auto mantissa = static_cast<std::uint8_t>(c.step[i].mantissa - 256u);
+        io.number(mantissa, 1);
+        c.step[i].mantissa = static_cast<std::uint16_t>(256u + mantissa);
         auto exponent = static_cast<std::uint8_t>(c.step[i].exponent);
         io.number(exponent, 1);
         c.step[i].exponent = static_cast<std::int8_t>(exponent);
@@ -135,12 +163,12 @@ constexpr void code_shape(Io& io, StreamShape& s) noexcept {
     auto base = static_cast<std::uint64_t>(s.base_ns);
     io.number(base, 8);
     s.base_ns = static_cast<std::int64_t>(base);
-    io.number(s.timing.sub_ns, 4);
+    io.varying(s.timing.sub_ns);
     auto bits = static_cast<std::uint8_t>(s.timing.time_bits | (s.timing.independent ? 0x80u : 0u));
     io.number(bits, 1);
     s.timing.time_bits = bits & 0x7fu;
     s.timing.independent = (bits & 0x80u) != 0;
-    io.number(s.timing.usual_ticks, 2);
+    io.varying(s.timing.usual_ticks);
     io.number(s.channels, 1);
     for (std::size_t i = 0; i < s.channels && i < channels_max; ++i) code_channel(io, s.channel[i]);
 }
@@ -155,7 +183,7 @@ constexpr bool sane(const StreamShape& s) noexcept {
         good = c.type == ChannelType::orientation
                    ? c.axes == 3
                    : c.type == ChannelType::vector && c.axes > 0 && c.axes <= axes_max;
-        for (std::size_t k = 0; good && k < c.steps(); ++k) good = c.step[k].mantissa > 0;
+        good = good && c.kind > 0;
     }
     return good;
 }
@@ -167,8 +195,9 @@ inline std::size_t write_header(Header& header, std::uint8_t* out) noexcept {
     io.number(version, 1);
     detail::code_shape(io, header.shape);
     header.digest = crc32(out + 2, io.size);
-    auto end = static_cast<std::uint64_t>(header.end);
-    io.number(end, 8);
+    const auto bits = static_cast<std::uint64_t>(header.end);
+    std::uint64_t end = bits >> 63 ? ~(bits << 1) : bits << 1;
+    io.varying(end);
     std::uint8_t flags = header.starts ? 1 : 0;
     io.number(flags, 1);
     out[0] = header_head;
@@ -203,8 +232,8 @@ inline HeaderFault read_header(const std::uint8_t* frame, std::size_t size,
     if (!io.ok() || !sane(header.shape)) return HeaderFault::bad_content;
     header.digest = crc32(frame + 2, 1 + io.size);
     std::uint64_t end = 0;
-    io.number(end, 8);
-    header.end = static_cast<std::int64_t>(end);
+    io.varying(end);
+    header.end = static_cast<std::int64_t>(end & 1u ? ~(end >> 1) : end >> 1);
     std::uint8_t flags = 0;
     io.number(flags, 1);
     header.starts = (flags & 1u) != 0;

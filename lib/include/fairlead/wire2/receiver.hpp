@@ -359,11 +359,18 @@ class Receiver {
     void try_restart(std::size_t r, std::size_t p, std::uint16_t s) noexcept {
         Frame restart = frame_at(r), frame = frame_at(p);
         if (!read_head(restart, near_, true)) return;
-        const Link link{link_.header, restart.head.end, crc32(restart.data, restart.size)};
-        if (!fits(s, seed(link)) || !read_head(frame, restart.head.end, false)) return;
+        Link link{link_.header, restart.head.end, crc32(restart.data, restart.size)};
+        const std::int64_t turn = sub_per_tick << timing_.time_bits;
+        for (int i = 0; i < unwraps; ++i, link.end += turn)
+            if (fits(s, seed(link)) && read_head(frame, link.end, false))
+                return join(r, p, restart.head.start + (link.end - restart.head.end), link.end,
+                            frame);
+    }
+    void join(std::size_t r, std::size_t p, std::int64_t start, std::int64_t end,
+              const Frame& frame) noexcept {
         Chain& c = free_chain();
         c.joins = true;
-        c.base = timing_.independent ? restart.head.start : restart.head.end;
+        c.base = timing_.independent ? start : end;
         c.at[c.count++] = static_cast<std::uint16_t>(r);
         append(c, p, frame);
     }
