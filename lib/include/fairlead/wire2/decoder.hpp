@@ -152,7 +152,7 @@ class Decoder {
     const Layout& layout() const noexcept { return layout_; }
     /// Tolerance over lattice step of a channel, as the stream tells it.
     float tolerance_steps(std::size_t channel) const noexcept {
-        return static_cast<float>(tolerance_[channel]) * (1.0f / 65536.0f);
+        return static_cast<float>(tolerance_[channel]) * (1.0f / 32768.0f);
     }
     /// Of the latest frame, in sub-ticks.
     std::int64_t frame_start() const noexcept { return head_.start; }
@@ -437,9 +437,8 @@ class Decoder {
                  : std::array<float, 3>{static_cast<float>(after.chart.v[0]),
                                         static_cast<float>(after.chart.v[1]),
                                         static_cast<float>(after.chart.v[2])};
-        if (piece.jumps) {  // the value holds after the jump
-            piece.anchor = after.anchor;
-            piece.v = after.chart.v;
+        if (piece.jumps) {  // the value holds after the jump, until the piece ends
+            for (std::size_t c = 0; c < 3; ++c) piece.v[c] += next.k[c];
             return true;
         }
         for (std::size_t c = 0; c < 3; ++c) piece.rise[c] = end[c] - static_cast<float>(piece.v[c]);

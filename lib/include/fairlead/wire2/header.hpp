@@ -37,7 +37,7 @@ struct ChannelShape {
     ChannelType type{ChannelType::none};
     std::uint8_t kind{0};               // of its pieces: 1 C1 quadratic, 2 C1 quadratic with lines
     std::uint8_t axes{0};               // 3 for an orientation
-    std::uint16_t tolerance{0};         // over the step, in 1/65536, rounded up
+    std::uint16_t tolerance{0};         // over the step, in 1/32768, rounded up
     std::array<Step, axes_max> step{};  // vectors: a step for each axis; orientation: the first
 
     constexpr std::size_t steps() const noexcept {

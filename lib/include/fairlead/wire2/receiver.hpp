@@ -90,7 +90,10 @@ class Receiver {
                        bool begins) noexcept {
         timing_ = timing;
         if (header_known_ && digest == link_.header && !begins && end >= near_) {
-            near_ = end;
+            // restart frames before this header may still be waiting for their followers: a time
+            // that was passed long ago is good as long as the tries reach from there to now
+            const std::int64_t reach = (unwraps / 2) * (sub_per_tick << timing.time_bits);
+            if (!known_ || end - near_ > reach) near_ = end;
             return;
         }
         if (in_step_ && !begins) lose_step();
@@ -306,7 +309,7 @@ class Receiver {
     /// Chains whose next frame ended without fitting look behind it, a few times.
     void pass(std::size_t end) noexcept {
         for (Chain& c : chains_) {
-            if (c.count == 0 || c.expect >= end) continue;
+            if (c.count == 0 || c.expect + 2u > end) continue;  // its size is not known yet
             const std::size_t size = size_at(c.expect);
             if (size == 0 || c.skips == skips_max)
                 c = {};
