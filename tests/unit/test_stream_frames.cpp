@@ -164,7 +164,10 @@ TEST(Stream, PiecesJoinAndReachTheStates) {
                         p.rotates ? 1 + q.scale.step() *
                                             (std::abs(q.v[0]) + std::abs(q.v[1]) + std::abs(q.v[2]))
                                   : 1;
-                    ASSERT_LT(apart, 6e-6 * turns) << seed;
+                    // a jump ends on the lattice, the frame behind it where it was told: on the
+                    // grid
+                    const double grid = q.jumps && p.rotates ? q.scale.step() : 0;
+                    ASSERT_LT(apart, 6e-6 * turns + grid) << seed;
                 }
             }
             before[key] = p;
