@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
     }
     const std::string folder = std::string{argv[1]} + "/";
     Options o;
-    write(folder + "both.bin", random_stream(o, 1, 60));
+    write(folder + "both.bin", random_stream(o, 1, 30));
     o.usual_ticks = 8;
     o.jumps = 0.3;
     o.size = 40;
@@ -60,25 +60,25 @@ int main(int argc, char** argv) {
     o.sub_ns = 1953;
     o.time_bits = 22;
     o.base_ns = 1'700'000'000'123'456'789;
-    write(folder + "jumps.bin", random_stream(o, 2, 60));
+    write(folder + "jumps.bin", random_stream(o, 2, 30));
     o = {};
     o.independent = true;
     o.position = false;
-    write(folder + "rotation_independent.bin", random_stream(o, 3, 40));
+    write(folder + "rotation_independent.bin", random_stream(o, 3, 25));
     o = {};
     o.independent = true;
-    write(folder + "both_independent_lost.bin", random_stream(o, 4, 60, true));
+    write(folder + "both_independent_lost.bin", random_stream(o, 4, 40, true));
     o = {};
     o.orientation = false;
     o.ends = 0.4;
     o.base_ns = -5;
-    write(folder + "vector_ends.bin", random_stream(o, 5, 60));
+    write(folder + "vector_ends.bin", random_stream(o, 5, 30));
     o = {};
     o.restart_every = 3;
     o.usual_ticks = 120;
     o.size = 1;
     o.jumps = 0;
-    write(folder + "lost.bin", random_stream(o, 6, 60, true));
+    write(folder + "lost.bin", random_stream(o, 6, 40, true));
     // two runs in one stream: the board was reset, then its clock leaped
     o = {};
     ByteVector runs = random_stream(o, 7, 12);
