@@ -221,7 +221,7 @@ class Reducer {
             if (channel.active()) seam = channel.close(tick, seam);
         });
         bool any = false;
-        const std::int32_t next = guess(0);
+        const std::int32_t next = guess(behind_);
         each([&](auto& channel, auto) {
             channel.commit(tick, seam, next);
             any = any || channel.active();

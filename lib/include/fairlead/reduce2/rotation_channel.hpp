@@ -35,7 +35,6 @@ inline constexpr float rotation_tolerance_min_rad = 1.2e-4f;
 
 template <class Kind, class BeamT, std::size_t Window>
 class RotationChannel {
-    static constexpr float near_part = 0.25f;  // as in vector_channel.hpp
     static_assert(Window >= 4 && Window <= 240, "a window holds 4 to 240 records");
 
   public:
@@ -76,26 +75,19 @@ class RotationChannel {
         open_window(at.tick);
         keep(at, q);
         mark_first(at.tick);
-        bound(samples_.count() - 1, 0);
+        bound(samples_.count() - 1);
     }
 
     void push(const curve::Moment& at, const Value& q, std::int32_t column, bool end,
               Seam asked) noexcept {
         const bool told = end && asked != Seam::carry;
         const bool first = column >= 0 && (at.tick > column || (at.tick == column && at.part > 0));
-        const bool near = first && at.tick == column && at.part <= near_part;
         const Place y = curve::place(state_.anchor, q, step_);
-        if (first && !near) offer(column, end, told, samples_.count(), &at, &y);
+        if (first) offer(column, end, told, &at, &y);
         if (!(first && end) && columns_ > 0 && far(y)) rechart();
         keep(at, q);
-        bound(samples_.count() - 1, 0);
-        if (near) {
-            const Place later = samples_.newest();
-            offer(column, end, told, samples_.count() - 1, &at, &later);
-            bound(samples_.count() - 1, column - start_tick_);
-        } else if (column >= 0 && !first) {
-            offer(column, end, told, samples_.count(), nullptr, nullptr);
-        }
+        bound(samples_.count() - 1);
+        if (column >= 0 && !first) offer(column, end, told, nullptr, nullptr);
     }
 
     Cost cost() const noexcept { return spent_ + search_.cost(); }
@@ -106,7 +98,7 @@ class RotationChannel {
     }
     Seam close(std::int32_t tick, Seam asked) noexcept {
         const std::int32_t to = last_ ? end_tick_ : tick;
-        if (column_tick_ < to) offer(to, true, asked != Seam::carry && !last_, samples_.count(), nullptr, nullptr);
+        if (column_tick_ < to) offer(to, true, asked != Seam::carry && !last_, nullptr, nullptr);
         return told_ || to <= frame_tick_ ? asked : Seam::carry;
     }
     void commit(std::int32_t tick, Seam seam, std::int32_t) noexcept {
@@ -190,6 +182,8 @@ class RotationChannel {
     bool check(std::size_t) noexcept { return true; }
 
   private:
+    using Search = RotationSearch<Kind, BeamT, Window + 1>;
+
     struct Line {
         Place value{}, slope{};
     };
@@ -289,9 +283,9 @@ class RotationChannel {
         const float most = curve::chart_angle_max / step_;
         return y[0] * y[0] + y[1] * y[1] + y[2] * y[2] > most * most;
     }
-    void bound(std::size_t i, std::int32_t from) noexcept {
+    void bound(std::size_t i) noexcept {
         const curve::Moment at = samples_.when(i);
-        search_.sample(at.tick - start_tick_, at.part, samples_.value(i), from);
+        search_.sample(at.tick - start_tick_, at.part, samples_.value(i));
     }
     /// Samples of the window go into the chart about the new anchor, and are searched.
     void replace(const Quat& old_anchor) noexcept {
@@ -301,7 +295,7 @@ class RotationChannel {
             const Quat q = old_anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_,
                                                                   y[2] * step_});
             samples_.value(i) = curve::place(state_.anchor, q, step_);
-            bound(i, 0);
+            bound(i);
         }
     }
     /// Commits the window at its last column and goes on about the vertex there.
@@ -321,21 +315,25 @@ class RotationChannel {
         replace(old);
     }
 
-    /// A column at `tick`, behind the first `last` samples of the window. later: the sample behind
-    /// it that made it due; null where there is none.
-    void offer(std::int32_t tick, bool end, bool told, std::size_t last,
-               const curve::Moment* later, const Place* later_place) noexcept {
+    /// A column at `tick`. later: the sample behind it that made it due, not yet kept; or null.
+    void offer(std::int32_t tick, bool end, bool told, const curve::Moment* later,
+               const Place* later_place) noexcept {
         if (columns_ >= Window + 1) return;
         column_tick_ = tick;
         ticks_[++columns_] = static_cast<std::uint8_t>(tick);
         const std::size_t jump_first = firsts_[columns_ - 1];
+        const std::size_t last = samples_.count();
         firsts_[columns_] = static_cast<std::uint8_t>(last);
-        typename RotationSearch<Kind, BeamT, Window + 1>::At at;
+        typename Search::At at;
         at.index = columns_;
         at.tick = tick - start_tick_;
-        at.last = samples_.count();
+        at.last = last;
         at.end = end;
-        middle_at(tick, last, later, later_place, at.middle, at.known);
+        if (later != nullptr) {
+            at.later = *later_place;
+            at.after = static_cast<float>(later->tick - tick) + later->part;
+        }
+        middle_at(at, tick);
         Place target{};
         if (end && told) {
             const Quat q = state_.anchor * from_rotation_vector(Vec3{at.middle[0] * step_,
@@ -354,22 +352,16 @@ class RotationChannel {
         else
             search_.grow(tick - start_tick_);
     }
-    void middle_at(std::int32_t tick, std::size_t last, const curve::Moment* later, const Place* later_place,
-                   Place& middle, bool& known) const noexcept {
-        if (last == 0) {
-            if (later_place != nullptr) middle = *later_place;
-            return;
-        }
-        const curve::Moment at = samples_.when(last - 1);
-        middle = samples_.value(last - 1);
-        known = at.tick == tick && !(at.part > 0.0f);
-        if (known || later == nullptr) return;
-        const float gone = static_cast<float>(tick - at.tick) - at.part;
-        const float all = static_cast<float>(later->tick - at.tick) + (later->part - at.part);
-        if (!(all > 0.0f)) return;
+    void middle_at(typename Search::At& at, std::int32_t tick) const noexcept {
+        at.middle = at.later;
+        if (at.last == 0) return;
+        at.middle = samples_.value(at.last - 1);
+        const curve::Moment m = samples_.when(at.last - 1);
+        const float gone = static_cast<float>(tick - m.tick) - m.part;
+        at.known = gone < 1.0f / 32.0f || at.after > 0.0f;
+        if (!(gone > 0.0f) || !(at.after > 0.0f)) return;
         for (std::size_t a = 0; a < 3; ++a)
-            middle[a] += ((*later_place)[a] - middle[a]) * (gone / all);
-        known = true;
+            at.middle[a] += (at.later[a] - at.middle[a]) * (gone / (gone + at.after));
     }
 
     void offer_jump(std::int32_t tick, const Place& middle, std::size_t first,
@@ -442,7 +434,7 @@ class RotationChannel {
     }
 
     Samples<Place, Window> samples_{};
-    RotationSearch<Kind, BeamT, Window + 1> search_{};
+    Search search_{};
     std::array<Step<3>, Window + 1> steps_{};
     std::array<std::uint8_t, Window + 2> ticks_{};
     std::array<std::uint8_t, Window + 2> firsts_{};
