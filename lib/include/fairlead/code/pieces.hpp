@@ -114,7 +114,7 @@ constexpr bool duration(Io& io, std::uint8_t phase, std::uint16_t& subs) noexcep
     io.flag(longer, 1, 1);
     // in 1..63 sub-ticks or in 1..64 further ticks
     std::uint32_t n = longer ? (subs - to_tick) / curve::subs_per_tick - 1u : subs;
-    if (n > 63) return false;
+    if (Io::writes && n > 63) return false;
     io.bits(n, 6);
     const std::uint32_t all = longer ? to_tick + (n + 1u) * curve::subs_per_tick : n;
     if (!longer && (n == 0 || n >= to_tick)) return false;
