@@ -45,6 +45,14 @@ inline constexpr Cost cost_limit = 60000;
 inline constexpr float rounding = 0x1p-19f;
 inline constexpr float far_away = 1e30f;
 
+/// Bits of one jump between two columns of a window, at most: four samples, each with a part of its
+/// own, two parts without one at ticks between, three codes.
+constexpr Cost jump_bits_max(std::size_t components) noexcept {
+    const auto n = static_cast<Cost>(components);
+    const Cost duration = code::other_duration_cost / 16 + 1, code_bits = code::cost_max / 16;
+    return 4 * (n * (5 + 17) + duration) + 2 * (n * 5 + duration) + 3 * code_bits;
+}
+
 /// How the vertex of a child was reached.
 namespace how {
 inline constexpr std::uint8_t slot = 7;      // the parent's place in its column

@@ -83,9 +83,11 @@ class RotationSearch {
 
     template <class Source>
     void column(const At& at, const Source& source) noexcept {
-        before_ = column_[0];
-        before_index_ = index_;
-        index_ = static_cast<std::uint8_t>(at.index);
+        if (index_ != at.index) {  // else the same column again
+            before_ = column_[0];
+            before_index_ = index_;
+            index_ = static_cast<std::uint8_t>(at.index);
+        }
         column_count_ = 0;
         work_ = 0;
         const Cost bound = best_ + margin_cost;
@@ -94,6 +96,7 @@ class RotationSearch {
         for (std::size_t i = 0; i < open_count_; ++i) {
             Open& o = open_[i];
             const std::int32_t h = at.tick - o.tick;
+            if (h <= 0) continue;
             if (many && o.cost + 2 * step_cost_min > bound) continue;
             if (h > 120 && !at.end) continue;
             const std::uint8_t code = curve::index_of(h);

@@ -41,6 +41,10 @@ class VectorChannel {
     static constexpr std::size_t parts = D;  // searches, each with a list of pieces
     static constexpr std::size_t components = 1;
     using KindType = Kind;
+    static constexpr std::size_t window = Window;
+    /// Bits that one column can add to a window, at most: a jump of each axis with a part for each
+    /// of the closest samples.
+    static constexpr Cost column_bits_max = D * jump_bits_max(1);
 
     /// tolerance: largest error of an axis, in the values' unit; > 0.
     void configure(float tolerance) noexcept {
@@ -52,6 +56,8 @@ class VectorChannel {
     const curve::Scale& scale() const noexcept { return scale_; }
 
     bool active() const noexcept { return active_; }
+    /// Has the curve begun in this frame?
+    bool starts() const noexcept { return starts_; }
     bool stalled() const noexcept { return stalled_; }
     std::int32_t start_tick() const noexcept { return start_tick_; }
     std::int32_t column_tick() const noexcept { return column_tick_; }
@@ -89,7 +95,7 @@ class VectorChannel {
     /// with it, or -1. end: the frame ends there, with a seam as asked.
     void push(const curve::Moment& at, const Value& value, std::int32_t column, bool end,
               Seam asked) noexcept {
-        const bool told = end && asked != Seam::carry;
+        const bool told = end && asked == Seam::restart;
         const bool first = column >= 0 && (at.tick > column || (at.tick == column && at.part > 0));
         if (first) offer(column, end, told, &at, &value);
         keep(at, value);
@@ -114,7 +120,7 @@ class VectorChannel {
     /// seam that the channel can grant: a vector grants what is asked.
     Seam close(std::int32_t tick, Seam asked) noexcept {
         const std::int32_t to = last_ ? end_tick_ : tick;
-        if (column_tick_ < to) offer(to, true, asked != Seam::carry, nullptr, nullptr);
+        if (column_tick_ < to) offer(to, true, asked == Seam::restart && !last_, nullptr, nullptr);
         return asked;
     }
     /// Commits the window, after close(), and begins the next at `tick`, where samples behind it are
@@ -124,7 +130,7 @@ class VectorChannel {
         segment_ = {};
         if (!active_) return;
         const std::int32_t to = last_ ? end_tick_ : tick;
-        segment_.present = to > start_tick_;
+        segment_.present = last_ ? to >= start_tick_ : to > start_tick_;
         if (segment_.present) commit_present(to, seam);
         samples_.commit(to < 0 ? 0 : to);
         newest_.tick -= tick;
