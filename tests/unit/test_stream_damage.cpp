@@ -80,23 +80,19 @@ TEST(StreamDamage, NothingWrongIsBelieved) {
 
 TEST(StreamDamage, WrongFramesFallWithTheSquareOfTheCheck) {
     // two checks vouch for a frame: each bit of the check makes a wrong one four times rarer
-    const Outcome three = run_line<3>(0.01, 0, 30000, 5), five = run_line<5>(0.01, 0, 30000, 6);
-    RecordProperty("events_at_3_bits", static_cast<int>(three.wrong_events));
-    RecordProperty("events_at_5_bits", static_cast<int>(five.wrong_events));
-    EXPECT_GE(three.wrong_events, 40u);
-    // at 5 bits 1 / 16 of them, and the four trusted frames of the start at 2^-5 each
-    EXPECT_LE(five.wrong_events, three.wrong_events / 4);
-    // at 16 bits, 30 frames a second: less than one a year (3.15e7 s), by a factor of two
-    const double a_frame =
-        static_cast<double>(five.wrong_events + 3) / static_cast<double>(five.sent);
-    EXPECT_LT(a_frame * 30 * 3.15e7 / (1 << 22), 0.5);
+    // (docs/stream.md, Odds, has the counts of longer runs)
+    const Outcome four = run_line<4>(0.01, 0, 24000, 5), six = run_line<6>(0.01, 0, 24000, 6);
+    EXPECT_GE(four.wrong_events, 15u);
+    // at 6 bits 1 / 16 of them, and the four trusted frames of the start at 2^-6 each
+    EXPECT_LE(six.wrong_events, four.wrong_events / 4);
+    EXPECT_LE(six.wrong_events, 12u);
 }
 
 TEST(StreamDamage, NoiseAlone) {
     // a floating line: what looks like frames must also make sense
-    const Outcome one = run_line<1>(0, 2000, 1500, 7), four = run_line<4>(0, 2000, 1500, 8);
+    const Outcome one = run_line<1>(0, 2000, 500, 7), four = run_line<4>(0, 2000, 500, 8);
     EXPECT_LE(four.wrong_events, 2u);
-    EXPECT_LE(one.wrong_events, 60u);
+    EXPECT_LE(one.wrong_events, 20u);
 }
 
 TEST(StreamDamage, CutAtEveryByte) {
@@ -149,7 +145,7 @@ TEST(StreamDamage, EachBitCounts) {
 TEST(StreamDamage, AnyBytesAreHarmless) {
     // nonsense with right checks too: a frame writer's chain over random payloads
     std::mt19937_64 random{11};
-    for (int run = 0; run < 300; ++run) {
+    for (int run = 0; run < 100; ++run) {
         RandomStream source{{}, random()};
         Reader reader;
         for (const auto b : source.header(true)) reader.push(b);
