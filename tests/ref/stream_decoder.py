@@ -352,9 +352,12 @@ class Track:
 
     def forget(self, fresh):
         self.last_k, self.sign = [0] * self.n, [0] * self.n
-        self.last_code, self.last_ticks, self.phase, self.fresh = JUMP, 1, 0, fresh
+        self.last_code, self.last_ticks, self.phase, self.fresh = TO_END, 1, 0, fresh
 
-    def step(self, code, subs, k, rises=None):
+    def loose(self):
+        return self.last_code == JUMP and not self.fresh
+
+    def step(self, code, subs, k):
         jump, line, h = code == JUMP, code >= LINE, subs // 64
         rise, s = [], []
         for c in range(self.n):
@@ -735,6 +738,10 @@ class Decoder:
         """Code, duration, k, and whether the piece ends where it was told."""
         rows = self.tables[c.kind, t.n]
         code = JUMP if t.phase else io.symbol(rows["length"][18 if t.fresh else t.last_code])
+        if t.loose() and not t.phase:
+            if code >= LINE:
+                raise Nonsense("line")
+            code += LINE if code <= TO_END else 0
         if code == REBASE:
             if not c.rotates:
                 raise Nonsense("rebase")
@@ -752,7 +759,7 @@ class Decoder:
             return code, subs, None, True
         h, k = subs // 64, []
         for i in range(t.n):
-            row = rows["value"][self.row(t, code, h, i, any(k))]
+            row = rows["value"][self.row(c.kind, t, code, h, i, any(k))]
             y = io.symbol(row)
             if y == 31:
                 size = io.golomb(0)
@@ -765,9 +772,9 @@ class Decoder:
         return code, subs, k, False
 
     @staticmethod
-    def row(t, code, h, i, before):
-        base = (33 if t.n == 1 else 48) if code >= LINE else 0
-        if t.fresh:
+    def row(kind, t, code, h, i, before):
+        base = (33 if t.n == 1 else 48) if code >= LINE and kind == 2 else 0
+        if t.fresh or t.loose():
             return base + (0 if h <= 12 else 1 if h <= 30 else 2)
         size = abs(t.last_k[i])
         a = size if size <= 2 else 3 if size <= 4 else 4

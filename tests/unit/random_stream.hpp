@@ -11,7 +11,7 @@
 
 namespace fairlead::test {
 
-using Kinds = wire2::KindSet<curve::Smooth, curve::Corners>;
+using Kinds = wire2::KindSet<curve::Smooth>;
 using Writer = wire2::FrameWriter<3, 1, Kinds>;
 using Reader = wire2::Decoder<3, 1, Kinds>;
 using ByteVector = std::vector<std::uint8_t>;
@@ -183,7 +183,8 @@ class RandomStream {
         while (p.code < 16 && curve::lengths[p.code] > ticks)
             p.code = static_cast<std::uint8_t>(below(17));
         p.subs = static_cast<std::uint16_t>(p.code == 16 ? left : 64 * curve::lengths[p.code]);
-        if (options_.kind == 2 && chance(0.4)) p.code = static_cast<std::uint8_t>(p.code + 19);
+        if (state.loose() || (options_.kind == 2 && chance(0.4)))
+            p.code = static_cast<std::uint8_t>(p.code + curve::code::line);
         for (auto& k : p.k) {
             k = static_cast<std::int32_t>(
                     below(static_cast<std::uint32_t>(2 * options_.size + 1))) -

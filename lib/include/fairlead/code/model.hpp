@@ -38,7 +38,7 @@ inline constexpr std::uint8_t value_escape = 31;
 /// Rows for the code of a piece: by the code of the piece before (quadratics and lines alike,
 /// to_end, jump), and for a fresh piece.
 inline constexpr std::size_t length_rows = 19;
-/// Rows for k of one component: 3 for fresh pieces, then 5 classes of the last k, 3 of the ratio of
+/// Rows for k of one component: 3 for pieces that are fresh or follow a jump, then 5 classes of the last k, 3 of the ratio of
 /// lengths, and 2 of length (axis) or 3 of the place among the components (rotation).
 inline constexpr std::size_t axis_value_rows = 3 + 5 * 3 * 2;
 inline constexpr std::size_t rotation_value_rows = 3 + 5 * 3 * 3;
@@ -65,7 +65,7 @@ template <class Kind, std::size_t N>
 constexpr std::size_t value_row(const curve::State<N>& state, std::uint8_t piece_code,
                                 std::int32_t h, std::size_t c, bool before) noexcept {
     const std::size_t lines = Kind::lines && curve::is_line(piece_code) ? value_rows<N> : 0;
-    if (state.fresh) return lines + (h <= 12 ? 0u : h <= 30 ? 1u : 2u);
+    if (state.fresh || state.loose()) return lines + (h <= 12 ? 0u : h <= 30 ? 1u : 2u);
     const std::int32_t k = state.last_k[c], size = k < 0 ? -k : k;
     const std::size_t last = size <= 2 ? static_cast<std::size_t>(size) : size <= 4 ? 3 : 4;
     const std::size_t ratio = h < state.last_ticks ? 0u : h == state.last_ticks ? 1u : 2u;

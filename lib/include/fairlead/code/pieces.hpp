@@ -40,6 +40,23 @@ constexpr bool symbol(Io& io, const std::uint8_t* row, std::size_t n, std::uint8
 
 namespace detail {
 
+/// Code of a piece. Behind a jump all pieces are lines, and told as the quadratics of their length.
+template <class Kind, class Io>
+constexpr bool piece_code(Io& io, const std::uint8_t (&row)[Kind::codes], bool loose,
+                          std::uint8_t& c) noexcept {
+    auto s = c;
+    if (Io::writes && loose) {
+        if (curve::is_line(c))
+            s = static_cast<std::uint8_t>(c - curve::code::line);
+        else if (c <= curve::code::to_end)
+            return false;
+    }
+    if (!symbol(io, row, Kind::codes, s)) return false;
+    if (loose && curve::is_line(s)) return false;
+    c = loose && s <= curve::code::to_end ? static_cast<std::uint8_t>(s + curve::code::line) : s;
+    return true;
+}
+
 /// k of one component, relative to the sign of the last k that was not 0.
 template <class Io>
 constexpr bool value(Io& io, const std::uint8_t (&row)[value_symbols], std::int8_t sign,
@@ -97,6 +114,7 @@ constexpr bool duration(Io& io, std::uint8_t phase, std::uint16_t& subs) noexcep
     io.flag(longer, 1, 1);
     // in 1..63 sub-ticks or in 1..64 further ticks
     std::uint32_t n = longer ? (subs - to_tick) / curve::subs_per_tick - 1u : subs;
+    if (Io::writes && n > 63) return false;
     io.bits(n, 6);
     const std::uint32_t all = longer ? to_tick + (n + 1u) * curve::subs_per_tick : n;
     if (!longer && (n == 0 || n >= to_tick)) return false;
@@ -125,7 +143,7 @@ constexpr bool code_piece(Io& io, const Costs<Kind, N>& costs, curve::State<N>& 
     if (left <= 0) return false;
     if (state.phase != 0)
         piece.code = codes::jump;
-    else if (!symbol(io, costs.length[length_row(state)], Kind::codes, piece.code))
+    else if (!detail::piece_code<Kind>(io, costs.length[length_row(state)], state.loose(), piece.code))
         return false;
     if (piece.code == codes::rebase) return N == 3;
     if (piece.code == codes::jump) {

@@ -6,7 +6,7 @@
 namespace fairlead::code {
 
 template <class Kind, std::size_t N>
-inline constexpr Costs<Kind, N> costs{};
+extern const Costs<Kind, N> costs;
 
 template <>
 inline constexpr Costs<curve::Smooth, 1> costs<curve::Smooth, 1>{

@@ -50,7 +50,7 @@ struct Grid {
         return {static_cast<std::int32_t>(tick), part < 1.0f ? part : 0x1.fffffep-1f};
     }
     /// The newest tick that a sample at t_ns lets the search place a vertex on: the last one before
-    /// t_ns + tick / 8, counted from `start`. Samples keep 1/4 tick apart, so every later one is
+    /// t_ns + tick / 8, counted from `start`. Samples keep 5/16 tick apart, so every later one is
     /// behind this tick.
     constexpr std::int32_t column(std::int64_t t_ns, std::int64_t start) const noexcept {
         const std::int64_t after = t_ns - time_ns(start) + 8 * std::int64_t{sub_ns} - 1;
@@ -58,8 +58,9 @@ struct Grid {
     }
 };
 
-/// Accepted samples keep at least this many sub-ticks apart; a jump holds for at least this long.
-inline constexpr std::int32_t spacing_subs_min = 16;
+/// Accepted samples keep at least this many sub-ticks apart. Closer ones would need more jumps
+/// between two ticks than a frame holds.
+inline constexpr std::int32_t spacing_subs_min = 20;
 /// A longer pause, in ticks, ends a curve.
 inline constexpr std::int32_t gap_ticks_max = 64;
 

@@ -9,7 +9,8 @@
 // predicts v, and a cubic leads from the old slope to the slope (v' - v) / h of its chord, so that
 // later pieces do not depend on what came before the restart.
 // A jump moves v by k, sets s to 0, and holds for a number of sub-ticks. Jumps follow each other
-// until they reach a whole tick again.
+// until they reach a whole tick again. The slope is lost there, so that the piece behind is always a
+// straight line: a curve in fast motion finds its slope at once.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -33,17 +34,20 @@ struct State {
     std::array<std::int32_t, N> s{};
     std::array<std::int8_t, N> last_k{};  // of the last piece, limited to +-100
     std::array<std::int8_t, N> sign{};    // of the last k that was not 0; -1, or 0 or 1 for plus
-    std::uint8_t last_code{code::jump};   // of the last piece; a line as its quadratic
+    std::uint8_t last_code{code::to_end};  // of the last piece; a line as its quadratic
     std::uint8_t last_ticks{1};
     std::uint8_t phase{0};  // sub-ticks behind the whole tick; other than 0 only between jumps
     bool fresh{true};
+
+    /// Is the next piece a straight line, because it follows a jump?
+    constexpr bool loose() const noexcept { return last_code == code::jump && !fresh; }
 
     /// Forgets what predicts lengths and k, but not the curve: what a restart does. `again` tells
     /// whether the next piece is fresh.
     constexpr void forget(bool again) noexcept {
         last_k = {};
         sign = {};
-        last_code = code::jump;
+        last_code = code::to_end;
         last_ticks = 1;
         phase = 0;
         fresh = again;

@@ -51,17 +51,16 @@ class AxisSearch {
         back_[0][0] = {};
         for (std::size_t i = 0; i < fresh_lo_.size(); ++i) fresh_lo_[i] = -far_away, fresh_hi_[i] = far_away;
         open_child(c, 0, 0, 0);
-        open_[0].fresh = fresh_;
+        open_[0].shape = shape_of(state);
     }
 
-    /// A sample at tick + part, value x. Hypotheses that it contradicts end. from: those that begin
-    /// before this tick are not asked.
-    void sample(std::int32_t tick, float part, std::int32_t x, std::int32_t from) noexcept {
+    /// A sample at tick + part, value x. Hypotheses that it contradicts end.
+    void sample(std::int32_t tick, float part, std::int32_t x) noexcept {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < open_count_; ++i) {
             Open& o = open_[i];
             const float age = static_cast<float>(tick - o.tick) + part;
-            if (age > 0.0f && o.tick >= from && !(o.fresh ? bound_fresh(o, age, x) : bound(o, age, x))) continue;
+            if (age > 0.0f && !(o.shape == Shape::fresh ? bound_fresh(o, age, x) : bound(o, age, x))) continue;
             if (kept != i) open_[kept] = o;
             ++kept;
         }
@@ -70,8 +69,8 @@ class AxisSearch {
 
     /// Offers vertices at column `index`, tick `tick`. `told`: the frame ends here at a place that it
     /// tells, so that the last k costs nothing.
-    void column(std::size_t index, std::int32_t tick, const Level& level, bool end, bool told,
-                float middle) noexcept {
+    void column(std::size_t index, std::int32_t tick, const Level& level, bool end,
+                bool told) noexcept {
         before_ = column_[0];
         before_index_ = index_;
         index_ = static_cast<std::uint8_t>(index);
@@ -85,7 +84,7 @@ class AxisSearch {
             if (many && o.cost + step_cost_min > bound) continue;
             if (h > 120 && !end) continue;
             const std::uint8_t code = curve::index_of(h);
-            if (code != curve::code::none || end) close(o, h, code, level, end, told, middle);
+            if (code != curve::code::none || end) close(o, h, code, level, end, told);
             if (kept != i) open_[kept] = o;
             ++kept;
         }
@@ -183,7 +182,7 @@ class AxisSearch {
         std::uint8_t tick, column, slot;
         std::int8_t last_k, sign;
         std::uint8_t last_code, last_ticks;
-        bool fresh;
+        Shape shape;
     };
     struct Back {
         std::int16_t v;
@@ -218,7 +217,8 @@ class AxisSearch {
         const float d = static_cast<float>(x - o.v * curve::fine), ahead = o.s * age;
         const float e = radius_ - (approx::abs(d) + approx::abs(ahead)) * rounding;
         if (!(e > 0.0f)) return false;
-        const float r = d - ahead, inverse = 1.0f / (age * age);
+        const float r = d - ahead;
+        const float inverse = 1.0f / (o.shape == Shape::line ? age : age * age);
         const float a = (r - e) * inverse, b = (r + e) * inverse;
         if (a > o.lo) o.lo = a;
         if (b < o.hi) o.hi = b;
@@ -246,10 +246,11 @@ class AxisSearch {
     }
 
     void close(const Open& o, std::int32_t h, std::uint8_t index, const Level& level, bool end,
-               bool told, float middle) noexcept {
+               bool told) noexcept {
         constexpr float per_step = 1.0f / static_cast<float>(curve::fine);
         float low, high;
-        if (o.fresh) {
+        const bool fresh = o.shape == Shape::fresh, line = o.shape == Shape::line;
+        if (fresh) {
             const std::size_t i =
                 index != curve::code::none ? index : h == guess_ ? curve::length_count : 99;
             if (i > curve::length_count) return;
@@ -257,11 +258,20 @@ class AxisSearch {
             high = fresh_hi_[i];
         } else {
             const auto hf = static_cast<float>(h);
-            const float h2 = hf * hf, ahead = o.s * hf;
+            const float h2 = line ? hf : hf * hf, ahead = o.s * hf;
             low = ahead + o.lo * h2;
             high = ahead + o.hi * h2;
         }
         const auto here = static_cast<float>(o.v);
+        if (level.after > 0.0f) {
+            const float bend = bend_likely * static_cast<float>(curve::fine) * level.after;
+            const Reach way_on =
+                reach(o.s, fresh || line, static_cast<float>(h),
+                      level.later - here * static_cast<float>(curve::fine), level.after,
+                      radius_ + bend * level.after);
+            low = larger(low, way_on.low);
+            high = smaller(high, way_on.high);
+        }
         low = larger(low * per_step, level.low * per_step - here);
         high = smaller(high * per_step, level.high * per_step - here);
         // within what a vertex and a piece may hold
@@ -274,26 +284,28 @@ class AxisSearch {
         if (static_cast<float>(first) < low) ++first;
         if (static_cast<float>(last) > high) --last;
         if (first > last) return;
-        offer(o, h, index, first, last, end, told, middle);
+        offer(o, h, index, first, last, end, told, level);
     }
 
     void offer(const Open& o, std::int32_t h, std::uint8_t index, std::int32_t first,
-               std::int32_t last, bool end, bool told, float middle) noexcept {
+               std::int32_t last, bool end, bool told, const Level& level) noexcept {
         const auto& costs = code::costs<Kind, 1>;
-        const std::int32_t predicted = curve::predicted_rise(o.slope, o.fresh, h);
+        const bool fresh = o.shape == Shape::fresh;
+        const std::int32_t predicted = curve::predicted_rise(o.slope, fresh, h);
         if (last - first > 3) {  // the four nearest to the prediction
             const std::int32_t from = predicted - 1 < last - 3 ? predicted - 1 : last - 3;
             if (from > first) first = from;
             last = first + 3;
         }
         curve::State<1> state;
-        state.fresh = o.fresh;
+        state.fresh = fresh;
         state.last_code = o.last_code;
         state.last_ticks = o.last_ticks;
         state.last_k[0] = o.last_k;
         const auto& lengths = costs.length[code::length_row(state)];
         std::uint8_t code = index, way = o.slot;
-        if (end && (index == curve::code::none || lengths[curve::code::to_end] < lengths[index])) {
+        if (o.shape == Shape::line) way |= how::line;
+        if (end) {
             code = curve::code::to_end;
             way |= how::to_end;
         }
@@ -304,7 +316,7 @@ class AxisSearch {
             Cost cost = base;
             if (told) {
                 const float off =
-                    static_cast<float>((o.v + p) * curve::fine) - middle;
+                    static_cast<float>((o.v + p) * curve::fine) - level.middle;
                 cost += static_cast<Cost>(seam_weight * approx::abs(off) / radius_);
             } else {
                 cost += code::value_cost(row, k, o.sign);
@@ -319,14 +331,15 @@ class AxisSearch {
         if (column_count_ > 0 && cost > column_[0].cost + margin_cost) return;
         if (cost > cost_limit) return;
         Child c;
-        c.s = curve::slope_after(o.slope, o.fresh, p, h);
+        const bool fresh = o.shape == Shape::fresh;
+        c.s = curve::slope_after(o.slope, o.shape != Shape::quadratic, p, h);
         if (c.s > curve::slope_max || c.s < -curve::slope_max) return;
         c.v = static_cast<std::int16_t>(o.v + p);
         c.cost = static_cast<std::uint16_t>(cost);
         c.parent_column = o.column;
         c.way = way;
-        c.last_k = o.fresh ? std::int8_t{0}
-                           : static_cast<std::int8_t>(k > 100 ? 100 : k < -100 ? -100 : k);
+        c.last_k = fresh ? std::int8_t{0}
+                         : static_cast<std::int8_t>(k > 100 ? 100 : k < -100 ? -100 : k);
         c.sign = k != 0 ? static_cast<std::int8_t>(k > 0 ? 1 : -1) : o.sign;
         c.last_code = code;
         c.last_ticks = static_cast<std::uint8_t>(h);
@@ -377,7 +390,7 @@ class AxisSearch {
         o.sign = c.sign;
         o.last_code = c.last_code;
         o.last_ticks = c.last_ticks;
-        o.fresh = false;
+        o.shape = c.last_code == curve::code::jump ? Shape::line : Shape::quadratic;
     }
 
     static constexpr float larger(float a, float b) noexcept { return a > b ? a : b; }

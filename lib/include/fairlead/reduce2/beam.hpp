@@ -45,6 +45,14 @@ inline constexpr Cost cost_limit = 60000;
 inline constexpr float rounding = 0x1p-19f;
 inline constexpr float far_away = 1e30f;
 
+/// Bits of one jump between two columns of a window, at most: four samples, each with a part of its
+/// own, two parts without one at ticks between, three codes.
+constexpr Cost jump_bits_max(std::size_t components) noexcept {
+    const auto n = static_cast<Cost>(components);
+    const Cost duration = code::other_duration_cost / 16 + 1, code_bits = code::cost_max / 16;
+    return 4 * (n * (5 + 17) + duration) + 2 * (n * 5 + duration) + 3 * code_bits;
+}
+
 /// How the vertex of a child was reached.
 namespace how {
 inline constexpr std::uint8_t slot = 7;      // the parent's place in its column
@@ -71,9 +79,35 @@ constexpr std::uint8_t code_of(std::uint8_t way, std::int32_t h) noexcept {
     return line ? static_cast<std::uint8_t>(index + curve::code::line) : index;
 }
 
-/// What a column knows beside the samples: where the curve should pass, in 1/1024 steps.
+/// A vertex must leave a way to the sample behind its column: as far as a piece bends in the time to
+/// it, in steps a tick^2.
+inline constexpr float bend_likely = 2.0f;
+
+/// Bounds of a rise p so that the piece behind the vertex can reach a sample: from v + p with the
+/// slope at the end of a piece of h ticks (2 p / h - s, or p / h where it is the chord's) it must come
+/// within `room` of `later` after `after` ticks. s, room and later - v in the same unit as p.
+struct Reach {
+    float low, high;
+};
+constexpr Reach reach(float s, bool chord, float h, float ahead, float after, float room) noexcept {
+    const float turns = 1.0f / (1.0f + (chord ? 1.0f : 2.0f) * after / h);
+    const float middle = chord ? ahead : ahead + s * after;
+    return {(middle - room) * turns, (middle + room) * turns};
+}
+
+/// Shape of the piece that begins at an open vertex.
+enum class Shape : std::uint8_t { quadratic, fresh, line };
+
+template <std::size_t N>
+constexpr Shape shape_of(const curve::State<N>& s) noexcept {
+    return s.fresh ? Shape::fresh : s.loose() ? Shape::line : Shape::quadratic;
+}
+
+/// What a column of an axis knows beside the samples up to it, in 1/1024 steps.
 struct Level {
-    float low{-far_away}, high{far_away};
+    float middle{};                          // where the curve is likely to be
+    float low{-far_away}, high{far_away};    // bounds of the vertex
+    float later{}, after{0};                 // the sample behind it, this many ticks; 0: none
 };
 
 }  // namespace fairlead::reduce2

@@ -3,7 +3,7 @@
 //
 // From a vertex at a whole tick to a later one, each part holds one lattice value over as many
 // samples as its tolerance allows; between two samples that contradict each other it is cut. Samples
-// keep 16 sub-ticks apart, so that a cut 8 sub-ticks behind a sample, or a whole tick between the
+// keep 20 sub-ticks apart, so that a cut 10 sub-ticks behind a sample, or a whole tick between the
 // two, is always behind the one and before the other. The chain ends on a target, where the curve
 // goes on: where the last samples do not allow it, a last cut follows them. The same walk counts the
 // cost in the search and gives the pieces to the coder: it depends on samples, vertex and target.

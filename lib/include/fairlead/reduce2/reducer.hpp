@@ -8,7 +8,7 @@
 //   - at a pause of a channel, at a change of channels, at the end.
 // All channels end at the same tick; a sample behind it is searched again in the next window. Every
 // push commits at most one frame, and does the work of one column.
-#include <array>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
@@ -45,7 +45,18 @@ class Reducer {
     static constexpr std::size_t channel_count = sizeof...(Channels);
     static constexpr std::int32_t frame_ticks_max = 250;
 
-    void configure(const Window& window) noexcept { window_ = window; }
+    static constexpr std::int32_t records_max =
+        std::min({static_cast<std::int32_t>(Channels::window)...});
+    static constexpr std::int32_t records_min = 4;
+
+    /// Records and pause are limited to what the channels hold.
+    void configure(const Window& window) noexcept {
+        window_ = window;
+        if (window_.records > records_max) window_.records = records_max;
+        if (window_.records < records_min) window_.records = records_min;
+        if (window_.gap_ticks > curve::gap_ticks_max) window_.gap_ticks = curve::gap_ticks_max;
+        if (window_.gap_ticks < 1) window_.gap_ticks = 1;
+    }
     template <std::size_t I>
     auto& channel() noexcept {
         return std::get<I>(channels_);
@@ -66,28 +77,29 @@ class Reducer {
 
     /// A record at t_ns: values of the channels whose bit in `valid` is set. Behind every earlier
     /// one of the run by at least curve::spacing_subs_min.
+    /// @param gaps channels, by bit, whose curve must end before this record; where its end, a whole
+    ///     tick, would not be before the record, it goes on
     /// @param seam how a frame that ends now should hand over; frame().seam tells what was granted
     /// @param drain called before a frame is committed while an earlier one has not been released:
     ///     it must finish with that one
     /// @return true: frame() was committed at this push
     template <class Drain>
-    bool push(std::int64_t t_ns, const Values& values, std::uint32_t valid, Seam seam,
-              Drain&& drain) noexcept {
+    bool push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
+              Seam seam, Drain&& drain) noexcept {
         if ((valid & ((1u << channel_count) - 1u)) == 0) return false;
-        bool committed = started_ && pause(t_ns, drain);
+        bool committed = started_ && pause(t_ns, gaps, seam, drain);
         if (!started_) restart_grid(t_ns);
         curve::Moment at = grid_.moment(t_ns, start_);
         std::int32_t column = grid_.column(t_ns, start_);
         if (!committed && column_ > 0 && (column > frame_ticks_max || !reach(values, valid))) {
             if (column <= frame_ticks_max) ++counts_.range;
-            committed = commit(column_, Seam::carry, drain);
+            committed = commit(column_, seam, drain);
             at = grid_.moment(t_ns, start_);
             column = grid_.column(t_ns, start_);
         }
         ++waiting_;
         ++behind_;
         if (committed || column <= column_) column = -1;
-        const Seam asked = stalled() ? Seam::carry : seam;
         const bool end = column >= 0 && (waiting_ >= window_.records || stalled());
         bool starts = false;
         each([&](auto& channel, auto index) {
@@ -97,7 +109,7 @@ class Reducer {
             if (!channel.active())
                 starts = true, channel.start(at, value, guess(at.tick));
             else
-                channel.push(at, value, channel.column_tick() < column ? column : -1, end, asked);
+                channel.push(at, value, channel.column_tick() < column ? column : -1, end, seam);
         });
         if (column >= 0) {
             column_ = column;
@@ -108,17 +120,17 @@ class Reducer {
         const bool full = cost() > window_.cost_max;
         if (column >= 0 && (end || full || stalled())) {
             if (full) ++counts_.cost;
-            return commit(column_, end ? asked : Seam::carry, drain);
+            return commit(column_, seam, drain);
         }
         if (waiting_ >= window_.records && column_ > 0)
-            return commit(column_, Seam::carry, drain);
+            return commit(column_, seam, drain);
         return false;
     }
 
     /// Ends all curves at their newest samples. @return true: frame() was committed.
     template <class Drain>
     bool flush(Drain&& drain) noexcept {
-        return started_ && end_curves(INT64_MAX, drain);
+        return started_ && end_curves(INT64_MAX, 0, Seam::carry, drain);
     }
 
     const Frame& frame() const noexcept { return frame_; }
@@ -164,30 +176,33 @@ class Reducer {
         });
         return all;
     }
-    /// Ends the curves of channels without a sample for longer than a curve may be. @return true: a
-    /// frame was committed for it.
+    /// Ends the curves of channels without a sample for longer than a curve may be, and of those in
+    /// `gaps`. @return true: a frame was committed for it.
     template <class Drain>
-    bool pause(std::int64_t t_ns, Drain& drain) noexcept {
+    bool pause(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
         bool any = false;
-        each([&](auto& c, auto) { any = any || (c.active() && gone(c, t_ns)); });
-        return any && end_curves(t_ns, drain);
+        each([&](auto& c, auto index) {
+            any = any || (c.active() && gone(c, t_ns, gaps >> decltype(index)::value));
+        });
+        return any && end_curves(t_ns, gaps, seam, drain);
     }
     template <class Channel>
-    bool gone(const Channel& channel, std::int64_t t_ns) const noexcept {
+    bool gone(const Channel& channel, std::int64_t t_ns, std::uint32_t gap) const noexcept {
         if (t_ns == INT64_MAX) return true;
         const std::int64_t newest =
             grid_.time_ns(start_ + std::int64_t{channel.last_tick()} * curve::subs_per_tick);
+        if ((gap & 1u) != 0 && t_ns > newest) return true;
         return t_ns - newest > std::int64_t{window_.gap_ticks} * grid_.tick_ns();
     }
     template <class Drain>
-    bool end_curves(std::int64_t t_ns, Drain& drain) noexcept {
+    bool end_curves(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
         bool all = true, part = false;  // do all curves end; has one that ends samples in the window?
         std::int32_t tick = 0;
-        each([&](auto& c, auto) {
+        each([&](auto& c, auto index) {
             if (!c.active()) return;
-            if (!gone(c, t_ns)) {
+            if (!gone(c, t_ns, gaps >> decltype(index)::value)) {
                 all = false;
-            } else if (c.last_tick() > c.start_tick()) {
+            } else if (c.last_tick() > c.start_tick() || c.starts()) {
                 part = true;
                 c.end_at(c.last_tick());
                 if (c.last_tick() > tick) tick = c.last_tick();
@@ -197,10 +212,9 @@ class Reducer {
         });
         ++counts_.gaps;
         if (!all && column_ > tick) tick = column_;
-        const bool some = part || (all && tick > 0);
-        if (some) return commit(tick, Seam::carry, drain);
-        each([&](auto& c, auto) {
-            if (c.active() && gone(c, t_ns)) c.stop();
+        if (part) return commit(tick, seam, drain);
+        each([&](auto& c, auto index) {
+            if (c.active() && gone(c, t_ns, gaps >> decltype(index)::value)) c.stop();
         });
         if (all) started_ = false;
         return false;
@@ -221,7 +235,7 @@ class Reducer {
             if (channel.active()) seam = channel.close(tick, seam);
         });
         bool any = false;
-        const std::int32_t next = guess(0);
+        const std::int32_t next = guess(behind_);
         each([&](auto& channel, auto) {
             channel.commit(tick, seam, next);
             any = any || channel.active();

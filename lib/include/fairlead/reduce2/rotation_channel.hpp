@@ -35,7 +35,6 @@ inline constexpr float rotation_tolerance_min_rad = 1.2e-4f;
 
 template <class Kind, class BeamT, std::size_t Window>
 class RotationChannel {
-    static constexpr float near_part = 0.25f;  // as in vector_channel.hpp
     static_assert(Window >= 4 && Window <= 240, "a window holds 4 to 240 records");
 
   public:
@@ -43,8 +42,10 @@ class RotationChannel {
     using Segment = RotationSegment;
     using PieceType = curve::Piece<3>;
     using KindType = Kind;
+    static constexpr std::size_t window = Window;
     static constexpr std::size_t parts = 1;
     static constexpr std::size_t components = 3;
+    static constexpr Cost column_bits_max = jump_bits_max(3);
 
     /// tolerance: largest angle between sample and curve, rad; >= rotation_tolerance_min_rad.
     void configure(float tolerance_rad) noexcept {
@@ -58,6 +59,8 @@ class RotationChannel {
     float step() const noexcept { return step_; }
 
     bool active() const noexcept { return active_; }
+    /// Has the curve begun in this frame?
+    bool starts() const noexcept { return starts_; }
     bool stalled() const noexcept { return false; }
     std::int32_t start_tick() const noexcept { return frame_tick_; }
     std::int32_t column_tick() const noexcept { return column_tick_; }
@@ -76,26 +79,19 @@ class RotationChannel {
         open_window(at.tick);
         keep(at, q);
         mark_first(at.tick);
-        bound(samples_.count() - 1, 0);
+        bound(samples_.count() - 1);
     }
 
     void push(const curve::Moment& at, const Value& q, std::int32_t column, bool end,
               Seam asked) noexcept {
         const bool told = end && asked != Seam::carry;
         const bool first = column >= 0 && (at.tick > column || (at.tick == column && at.part > 0));
-        const bool near = first && at.tick == column && at.part <= near_part;
+        if (far_ && column >= 0 && columns_ > 0) rechart();
         const Place y = curve::place(state_.anchor, q, step_);
-        if (first && !near) offer(column, end, told, samples_.count(), &at, &y);
-        if (!(first && end) && columns_ > 0 && far(y)) rechart();
+        if (first) offer(column, end, told, &at, &y);
         keep(at, q);
-        bound(samples_.count() - 1, 0);
-        if (near) {
-            const Place later = samples_.newest();
-            offer(column, end, told, samples_.count() - 1, &at, &later);
-            bound(samples_.count() - 1, column - start_tick_);
-        } else if (column >= 0 && !first) {
-            offer(column, end, told, samples_.count(), nullptr, nullptr);
-        }
+        bound(samples_.count() - 1);
+        if (column >= 0 && !first) offer(column, end, told, nullptr, nullptr);
     }
 
     Cost cost() const noexcept { return spent_ + search_.cost(); }
@@ -106,15 +102,19 @@ class RotationChannel {
     }
     Seam close(std::int32_t tick, Seam asked) noexcept {
         const std::int32_t to = last_ ? end_tick_ : tick;
-        if (column_tick_ < to) offer(to, true, asked != Seam::carry && !last_, samples_.count(), nullptr, nullptr);
-        return told_ || to <= frame_tick_ ? asked : Seam::carry;
+        const bool tell = asked != Seam::carry && !last_ && to > frame_tick_;
+        if (column_tick_ < to)
+            offer(to, true, tell, nullptr, nullptr);
+        else if (tell && !told_)
+            offer_again();
+        return asked;
     }
     void commit(std::int32_t tick, Seam seam, std::int32_t) noexcept {
         cursor_ = {};
         segment_ = {};
         if (!active_) return;
         const std::int32_t to = last_ ? end_tick_ : tick;
-        segment_.present = to > frame_tick_;
+        segment_.present = last_ ? to >= frame_tick_ : to > frame_tick_;
         if (segment_.present) commit_present(to, seam);
         samples_.commit(to < 0 ? 0 : to);
         newest_.tick -= tick;
@@ -190,6 +190,8 @@ class RotationChannel {
     bool check(std::size_t) noexcept { return true; }
 
   private:
+    using Search = RotationSearch<Kind, BeamT, Window + 1>;
+
     struct Line {
         Place value{}, slope{};
     };
@@ -273,7 +275,7 @@ class RotationChannel {
         firsts_[0] = 0;
         first_samples_ = 0;
         columns_ = 0;
-        told_ = false;
+        told_ = far_ = false;
         search_.seed(state_.chart, radius_);
     }
     /// The window begins behind the samples up to this tick.
@@ -282,16 +284,18 @@ class RotationChannel {
         firsts_[0] = static_cast<std::uint8_t>(first_samples_);
     }
     void keep(const curve::Moment& at, const Quat& q) noexcept {
-        samples_.push(at, curve::place(state_.anchor, q, step_));
+        const Place y = curve::place(state_.anchor, q, step_);
+        far_ = far_ || far(y);
+        samples_.push(at, y);
         newest_ = at;
     }
     bool far(const Place& y) const noexcept {
         const float most = curve::chart_angle_max / step_;
         return y[0] * y[0] + y[1] * y[1] + y[2] * y[2] > most * most;
     }
-    void bound(std::size_t i, std::int32_t from) noexcept {
+    void bound(std::size_t i) noexcept {
         const curve::Moment at = samples_.when(i);
-        search_.sample(at.tick - start_tick_, at.part, samples_.value(i), from);
+        search_.sample(at.tick - start_tick_, at.part, samples_.value(i));
     }
     /// Samples of the window go into the chart about the new anchor, and are searched.
     void replace(const Quat& old_anchor) noexcept {
@@ -301,10 +305,11 @@ class RotationChannel {
             const Quat q = old_anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_,
                                                                   y[2] * step_});
             samples_.value(i) = curve::place(state_.anchor, q, step_);
-            bound(i, 0);
+            bound(i);
         }
     }
-    /// Commits the window at its last column and goes on about the vertex there.
+    /// Commits the window at its last column and goes on about the vertex there; a column follows in
+    /// the same push, so that a frame never ends where a chart begins.
     void rechart() noexcept {
         const Line line = trend(column_tick_);
         const std::size_t best = search_.choose(line.value, line.slope, false);
@@ -321,32 +326,26 @@ class RotationChannel {
         replace(old);
     }
 
-    /// A column at `tick`, behind the first `last` samples of the window. later: the sample behind
-    /// it that made it due; null where there is none.
-    void offer(std::int32_t tick, bool end, bool told, std::size_t last,
-               const curve::Moment* later, const Place* later_place) noexcept {
+    /// A column at `tick`. later: the sample behind it that made it due, not yet kept; or null.
+    void offer(std::int32_t tick, bool end, bool told, const curve::Moment* later,
+               const Place* later_place) noexcept {
         if (columns_ >= Window + 1) return;
         column_tick_ = tick;
         ticks_[++columns_] = static_cast<std::uint8_t>(tick);
         const std::size_t jump_first = firsts_[columns_ - 1];
+        const std::size_t last = samples_.count();
         firsts_[columns_] = static_cast<std::uint8_t>(last);
-        typename RotationSearch<Kind, BeamT, Window + 1>::At at;
+        typename Search::At at;
         at.index = columns_;
         at.tick = tick - start_tick_;
-        at.last = samples_.count();
+        at.last = last;
         at.end = end;
-        middle_at(tick, last, later, later_place, at.middle, at.known);
-        Place target{};
-        if (end && told) {
-            const Quat q = state_.anchor * from_rotation_vector(Vec3{at.middle[0] * step_,
-                                                                     at.middle[1] * step_,
-                                                                     at.middle[2] * step_});
-            end_grid_ = curve::to_grid(normalised(q), step_);
-            end_anchor_ = curve::from_grid(end_grid_, step_);
-            target = curve::place(state_.anchor, end_anchor_, step_);
-            at.told = &target;
-            told_ = true;
+        if (later != nullptr) {
+            at.later = *later_place;
+            at.after = static_cast<float>(later->tick - tick) + later->part;
         }
+        middle_at(at, tick);
+        if (told) tell(at);
         search_.column(at, Source<false>{*this});
         offer_jump(tick, at.middle, jump_first, last);
         if (end)
@@ -354,22 +353,42 @@ class RotationChannel {
         else
             search_.grow(tick - start_tick_);
     }
-    void middle_at(std::int32_t tick, std::size_t last, const curve::Moment* later, const Place* later_place,
-                   Place& middle, bool& known) const noexcept {
-        if (last == 0) {
-            if (later_place != nullptr) middle = *later_place;
-            return;
-        }
-        const curve::Moment at = samples_.when(last - 1);
-        middle = samples_.value(last - 1);
-        known = at.tick == tick && !(at.part > 0.0f);
-        if (known || later == nullptr) return;
-        const float gone = static_cast<float>(tick - at.tick) - at.part;
-        const float all = static_cast<float>(later->tick - at.tick) + (later->part - at.part);
-        if (!(all > 0.0f)) return;
+    /// The last column again, as the end of a frame that tells it: what has not died since closes on
+    /// the place of the grid, or a jump leads there.
+    void offer_again() noexcept {
+        typename Search::At at;
+        at.index = columns_;
+        at.tick = column_tick_ - start_tick_;
+        at.last = firsts_[columns_];
+        at.end = true;
+        middle_at(at, column_tick_);
+        tell(at);
+        search_.column(at, Source<false>{*this});
+        offer_jump(column_tick_, at.middle, firsts_[columns_ - 1], at.last);
+        search_.record();
+    }
+    /// The frame ends at the place of the grid nearest to where the samples are.
+    void tell(typename Search::At& at) noexcept {
+        const Place& y = at.middle;
+        const Quat q = state_.anchor *
+                       from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
+        end_grid_ = curve::to_grid(normalised(q), step_);
+        end_anchor_ = curve::from_grid(end_grid_, step_);
+        target_ = curve::place(state_.anchor, end_anchor_, step_);
+        at.told = &target_;
+        told_ = true;
+    }
+
+    void middle_at(typename Search::At& at, std::int32_t tick) const noexcept {
+        at.middle = at.later;
+        if (at.last == 0) return;
+        at.middle = samples_.value(at.last - 1);
+        const curve::Moment m = samples_.when(at.last - 1);
+        const float gone = static_cast<float>(tick - m.tick) - m.part;
+        at.known = gone < 1.0f / 32.0f || at.after > 0.0f;
+        if (!(gone > 0.0f) || !(at.after > 0.0f)) return;
         for (std::size_t a = 0; a < 3; ++a)
-            middle[a] += ((*later_place)[a] - middle[a]) * (gone / all);
-        known = true;
+            at.middle[a] += (at.later[a] - at.middle[a]) * (gone / (gone + at.after));
     }
 
     void offer_jump(std::int32_t tick, const Place& middle, std::size_t first,
@@ -403,22 +422,20 @@ class RotationChannel {
         segment_.ends = last_;
         segment_.start = start_;
         segment_.start_grid = start_grid_;
-        const bool told = seam != Seam::carry;
+        const bool told = seam != Seam::carry && !last_;
         const Line line = trend(to);
         const std::size_t best = last_ ? 0 : search_.choose(line.value, line.slope, told);
-        const bool moved = columns_ == 0 && step_count_ > 0;  // the chart went over just here
-        if (moved) steps_[step_count_ - 1].how &= static_cast<std::uint8_t>(~how::rebase);
         step_count_ += search_.trace(best, ticks_, steps_, step_count_);
         frame_steps_ = step_count_;
         frame_told_ = told;
         step_count_ = 0;
         old_anchor_ = state_.anchor;
-        if (!moved) state_.chart = search_.state(best);
+        state_.chart = search_.state(best);
         if (told) {
             segment_.end_grid = end_grid_;
             curve::land(state_, end_anchor_, curve::place(state_.anchor, end_anchor_, step_), step_);
             state_.chart.forget(seam == Seam::restart);
-        } else if (!moved) {
+        } else {
             curve::rebase(state_, step_);
         }
         segment_.end = state_;
@@ -442,7 +459,7 @@ class RotationChannel {
     }
 
     Samples<Place, Window> samples_{};
-    RotationSearch<Kind, BeamT, Window + 1> search_{};
+    Search search_{};
     std::array<Step<3>, Window + 1> steps_{};
     std::array<std::uint8_t, Window + 2> ticks_{};
     std::array<std::uint8_t, Window + 2> firsts_{};
@@ -450,6 +467,7 @@ class RotationChannel {
     curve::RotationState start_{};  // where the frame began
     curve::GridQuat start_grid_{}, end_grid_{};
     Quat end_anchor_{}, old_anchor_{};
+    Place target_{};
     Segment segment_{};
     Cursor cursor_{};
     curve::Scale scale_{};
@@ -458,7 +476,7 @@ class RotationChannel {
     std::int32_t start_tick_{0}, frame_tick_{0}, column_tick_{0}, end_tick_{0};
     std::size_t columns_{0}, first_samples_{0}, step_count_{0}, frame_steps_{0};
     Cost spent_{0};
-    bool active_{false}, starts_{false}, last_{false}, told_{false}, frame_told_{false};
+    bool active_{false}, starts_{false}, last_{false}, told_{false}, frame_told_{false}, far_{false};
 };
 
 }  // namespace fairlead::reduce2

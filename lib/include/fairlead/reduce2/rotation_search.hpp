@@ -52,15 +52,15 @@ class RotationSearch {
         index_ = before_index_ = 0;
         back_[0][0] = {};
         open_child(c, 0, 0, 0);
-        open_[0].fresh = fresh_;
+        open_[0].shape = shape_of(state);
     }
 
-    void sample(std::int32_t tick, float part, const Place& y, std::int32_t from) noexcept {
+    void sample(std::int32_t tick, float part, const Place& y) noexcept {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < open_count_; ++i) {
             Open& o = open_[i];
             const float age = static_cast<float>(tick - o.tick) + part;
-            if (age > 0.0f && !o.fresh && o.tick >= from && !bound(o, age, y)) continue;
+            if (age > 0.0f && o.shape != Shape::fresh && !bound(o, age, y)) continue;
             if (kept != i) open_[kept] = o;
             ++kept;
         }
@@ -74,16 +74,20 @@ class RotationSearch {
         std::int32_t tick{};
         std::size_t last{};
         Place middle{};
-        bool known{};  // middle bounds the vertex
+        bool known{};   // middle bounds the vertex
+        Place later{};  // the sample behind the column, this many ticks; 0: none
+        float after{};
         bool end{};
         const Place* told{};  // where the frame ends, if it tells that
     };
 
     template <class Source>
     void column(const At& at, const Source& source) noexcept {
-        before_ = column_[0];
-        before_index_ = index_;
-        index_ = static_cast<std::uint8_t>(at.index);
+        if (index_ != at.index) {  // else the same column again
+            before_ = column_[0];
+            before_index_ = index_;
+            index_ = static_cast<std::uint8_t>(at.index);
+        }
         column_count_ = 0;
         work_ = 0;
         const Cost bound = best_ + margin_cost;
@@ -92,6 +96,7 @@ class RotationSearch {
         for (std::size_t i = 0; i < open_count_; ++i) {
             Open& o = open_[i];
             const std::int32_t h = at.tick - o.tick;
+            if (h <= 0) continue;
             if (many && o.cost + 2 * step_cost_min > bound) continue;
             if (h > 120 && !at.end) continue;
             const std::uint8_t code = curve::index_of(h);
@@ -186,7 +191,7 @@ class RotationSearch {
         std::uint8_t tick, column, slot;
         std::array<std::int8_t, 3> last_k, sign;
         std::uint8_t last_code, last_ticks;
-        bool fresh;
+        Shape shape;
     };
     struct Back {
         std::array<std::int16_t, 3> v;
@@ -211,7 +216,7 @@ class RotationSearch {
     }
 
     bool bound(Open& o, float age, const Place& y) const noexcept {
-        const float inverse = 1.0f / (age * age);
+        const float inverse = 1.0f / (o.shape == Shape::line ? age : age * age);
         for (std::size_t a = 0; a < 3; ++a) {
             const float r = y[a] - static_cast<float>(o.v[a]) - o.s[a] * age;
             const float low = (r - radius_) * inverse, high = (r + radius_) * inverse;
@@ -228,9 +233,10 @@ class RotationSearch {
         const auto& costs = code::costs<Kind, 3>;
         const curve::State<3> state = open_state(o);
         const auto& lengths = costs.length[code::length_row(state)];
+        const bool fresh = o.shape == Shape::fresh, line = o.shape == Shape::line;
         std::uint8_t code = index, way = o.slot;
-        if (at.end &&
-            (index == curve::code::none || lengths[curve::code::to_end] < lengths[index])) {
+        if (line) way |= how::line;
+        if (at.end) {
             code = curve::code::to_end;
             way |= how::to_end;
         }
@@ -245,14 +251,22 @@ class RotationSearch {
         const auto hf = static_cast<float>(h);
         for (std::size_t a = 0; a < 3; ++a) {
             float low = -far_away, high = far_away;
-            if (!o.fresh) {
-                low = o.s[a] * hf + o.lo[a] * (hf * hf);
-                high = o.s[a] * hf + o.hi[a] * (hf * hf);
+            if (!fresh) {
+                const float h2 = line ? hf : hf * hf;
+                low = o.s[a] * hf + o.lo[a] * h2;
+                high = o.s[a] * hf + o.hi[a] * h2;
             }
             const auto here = static_cast<float>(o.v[a]);
-            if (at.known || o.fresh) {
+            if (at.known || fresh) {
                 low = larger(low, at.middle[a] - radius_ - here);
                 high = smaller(high, at.middle[a] + radius_ - here);
+            }
+            if (at.after > 0.0f) {
+                const Reach way_on =
+                    reach(o.s[a], fresh || line, hf, at.later[a] - here, at.after,
+                          radius_ + bend_likely * at.after * at.after);
+                low = larger(low, way_on.low);
+                high = smaller(high, way_on.high);
             }
             low = larger(low, static_cast<float>(-window_steps_max) - here);
             high = smaller(high, static_cast<float>(window_steps_max) - here);
@@ -268,7 +282,7 @@ class RotationSearch {
             }
             first[a] = f;
             last[a] = l;
-            predicted[a] = curve::predicted_rise(o.slope[a], o.fresh, h);
+            predicted[a] = curve::predicted_rise(o.slope[a], fresh, h);
         }
         std::array<Candidate, tries_max + 1> candidates;
         int n = cheapest(state, code, h, base, first, last, predicted, candidates);
@@ -285,8 +299,9 @@ class RotationSearch {
             if (work_ > (column_count_ > 0 ? budget : budget_hard)) break;
             const Place p{static_cast<float>(c.p[0]), static_cast<float>(c.p[1]),
                           static_cast<float>(c.p[2])};
-            if (!fits(o, p, h, at, source)) continue;
-            add(o, c, h, way, code);
+            const Child child = make(o, c, h, way, code);
+            if (!leads_on(child, at) || !fits(o, p, h, at, source)) continue;
+            add(child, c);
             ++offered;
         }
     }
@@ -298,15 +313,16 @@ class RotationSearch {
         const auto hf = static_cast<float>(h);
         for (std::size_t a = 0; a < 3; ++a) {
             p[a] = (*at.told)[a] - static_cast<float>(o.v[a]);
-            const float bend = (p[a] - o.s[a] * hf) / (hf * hf);
-            if (!o.fresh && (bend < o.lo[a] || bend > o.hi[a])) return;
+            const float bend =
+                (p[a] - o.s[a] * hf) / (o.shape == Shape::line ? hf : hf * hf);
+            if (o.shape != Shape::fresh && (bend < o.lo[a] || bend > o.hi[a])) return;
         }
         if (work_ > (column_count_ > 0 ? budget : budget_hard)) return;
         if (!fits(o, p, h, at, source)) return;
         Candidate c{base, {}, {}};
         Child child = make(o, c, h, way, code);
         for (std::size_t a = 0; a < 3; ++a)
-            child.s[a] = curve::slope_onto(o.slope[a], o.fresh, p[a], h);
+            child.s[a] = curve::slope_onto(o.slope[a], o.shape != Shape::quadratic, p[a], h);
         place(child);
     }
 
@@ -381,7 +397,9 @@ class RotationSearch {
         const auto hf = static_cast<float>(h);
         for (std::size_t a = 0; a < 3; ++a) {
             const float ahead = o.s[a] * hf, i2 = 1.0f / (hf * hf);
-            if (o.fresh)
+            if (o.shape == Shape::line)
+                c[a] = {p[a] / hf, 0.0f, 0.0f};
+            else if (o.shape == Shape::fresh)
                 c[a] = {o.s[a], 2.0f * (p[a] - ahead) * i2, (ahead - p[a]) * i2 / hf};
             else
                 c[a] = {o.s[a], (p[a] - ahead) * i2, 0.0f};
@@ -394,7 +412,7 @@ class RotationSearch {
             const Place& y = source.place(i - 1);
             float n = 0;
             for (std::size_t a = 0; a < 3; ++a) {
-                const float bend = o.fresh ? c[a].c2 + t * c[a].c3 : c[a].c2;
+                const float bend = o.shape == Shape::fresh ? c[a].c2 + t * c[a].c3 : c[a].c2;
                 const float e = (y[a] - static_cast<float>(o.v[a])) - t * (c[a].c1 + t * bend);
                 n += e * e;
             }
@@ -409,8 +427,8 @@ class RotationSearch {
         for (std::size_t a = 0; a < 3; ++a) {
             const std::int32_t k = c.k[a];
             n.v[a] = static_cast<std::int16_t>(o.v[a] + c.p[a]);
-            n.s[a] = curve::slope_after(o.slope[a], o.fresh, c.p[a], h);
-            n.last_k[a] = o.fresh ? std::int8_t{0}
+            n.s[a] = curve::slope_after(o.slope[a], o.shape != Shape::quadratic, c.p[a], h);
+            n.last_k[a] = o.shape == Shape::fresh ? std::int8_t{0}
                                   : static_cast<std::int8_t>(k > 100 ? 100 : k < -100 ? -100 : k);
             n.sign[a] = k != 0 ? static_cast<std::int8_t>(k > 0 ? 1 : -1) : o.sign[a];
         }
@@ -421,9 +439,19 @@ class RotationSearch {
         n.last_ticks = static_cast<std::uint8_t>(h);
         return n;
     }
-    void add(const Open& o, const Candidate& c, std::int32_t h, std::uint8_t way,
-             std::uint8_t code) noexcept {
-        const Child n = make(o, c, h, way, code);
+    /// Does the vertex leave a way to the sample behind it?
+    bool leads_on(const Child& n, const At& at) const noexcept {
+        if (!(at.after > 0.0f)) return true;
+        const float most = radius_ + bend_likely * at.after * at.after;
+        float sum = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float there = static_cast<float>(n.v[a]) +
+                                static_cast<float>(n.s[a]) * slope_steps * at.after;
+            sum += (at.later[a] - there) * (at.later[a] - there);
+        }
+        return sum <= most * most;
+    }
+    void add(const Child& n, const Candidate& c) noexcept {
         for (std::size_t a = 0; a < 3; ++a) {
             if (n.s[a] > curve::slope_max || n.s[a] < -curve::slope_max) return;
             if (c.p[a] > curve::rise_max || c.p[a] < -curve::rise_max) return;
@@ -440,7 +468,7 @@ class RotationSearch {
     }
     static curve::State<3> open_state(const Open& o) noexcept {
         curve::State<3> state;
-        state.fresh = o.fresh;
+        state.fresh = o.shape == Shape::fresh;
         state.last_code = o.last_code;
         state.last_ticks = o.last_ticks;
         state.last_k = o.last_k;
@@ -497,7 +525,7 @@ class RotationSearch {
         o.sign = c.sign;
         o.last_code = c.last_code;
         o.last_ticks = c.last_ticks;
-        o.fresh = false;
+        o.shape = c.last_code == curve::code::jump ? Shape::line : Shape::quadratic;
     }
 
     static constexpr std::int32_t nearest(float x) noexcept {

@@ -41,7 +41,6 @@ class Samples {
     curve::Moment when(std::size_t i) const noexcept { return moment(slot(old_ + i)); }
     const Value& value(std::size_t i) const noexcept { return value_[slot(old_ + i)]; }
     Value& value(std::size_t i) noexcept { return value_[slot(old_ + i)]; }
-    const Value& newest() const noexcept { return value(count_ - 1); }
     /// Sample i of the committed frame.
     curve::Moment old_when(std::size_t i) const noexcept { return moment(slot(i)); }
     const Value& old_value(std::size_t i) const noexcept { return value_[slot(i)]; }

@@ -31,9 +31,6 @@ struct VectorSegment {
 
 template <std::size_t D, class Kind, class BeamT, std::size_t Window>
 class VectorChannel {
-    /// A sample this close behind a column also bounds the pieces that end there, as far as they
-    /// would go on: it keeps vertices away from which no piece leads to it.
-    static constexpr float near_part = 0.25f;
     static_assert(D >= 1 && D <= 6, "a frame of 250 bytes holds one step of at most 6 axes");
     static_assert(Window >= 4 && Window <= 240, "a window holds 4 to 240 records");
 
@@ -44,6 +41,10 @@ class VectorChannel {
     static constexpr std::size_t parts = D;  // searches, each with a list of pieces
     static constexpr std::size_t components = 1;
     using KindType = Kind;
+    static constexpr std::size_t window = Window;
+    /// Bits that one column can add to a window, at most: a jump of each axis with a part for each
+    /// of the closest samples.
+    static constexpr Cost column_bits_max = D * jump_bits_max(1);
 
     /// tolerance: largest error of an axis, in the values' unit; > 0.
     void configure(float tolerance) noexcept {
@@ -55,6 +56,8 @@ class VectorChannel {
     const curve::Scale& scale() const noexcept { return scale_; }
 
     bool active() const noexcept { return active_; }
+    /// Has the curve begun in this frame?
+    bool starts() const noexcept { return starts_; }
     bool stalled() const noexcept { return stalled_; }
     std::int32_t start_tick() const noexcept { return start_tick_; }
     std::int32_t column_tick() const noexcept { return column_tick_; }
@@ -74,7 +77,7 @@ class VectorChannel {
         open_window(at.tick, guess);
         keep(at, value);
         column_samples_ = first_samples_ = samples_.count_to(at.tick);
-        bound(at, value, 0);
+        bound(at, value);
     }
 
     /// Can the window hold this value? Where not, the frame must end before it; in a window that has
@@ -92,13 +95,11 @@ class VectorChannel {
     /// with it, or -1. end: the frame ends there, with a seam as asked.
     void push(const curve::Moment& at, const Value& value, std::int32_t column, bool end,
               Seam asked) noexcept {
-        const bool told = end && asked != Seam::carry;
+        const bool told = end && asked == Seam::restart;
         const bool first = column >= 0 && (at.tick > column || (at.tick == column && at.part > 0));
-        const bool near = first && at.tick == column && at.part <= near_part;
-        if (near) bound(at, value, 0);
         if (first) offer(column, end, told, &at, &value);
         keep(at, value);
-        bound(at, value, near ? column - start_tick_ : 0);
+        bound(at, value);
         if (column >= 0 && !first) offer(column, end, told, nullptr, nullptr);
     }
 
@@ -119,7 +120,7 @@ class VectorChannel {
     /// seam that the channel can grant: a vector grants what is asked.
     Seam close(std::int32_t tick, Seam asked) noexcept {
         const std::int32_t to = last_ ? end_tick_ : tick;
-        if (column_tick_ < to) offer(to, true, asked != Seam::carry, nullptr, nullptr);
+        if (column_tick_ < to) offer(to, true, asked == Seam::restart && !last_, nullptr, nullptr);
         return asked;
     }
     /// Commits the window, after close(), and begins the next at `tick`, where samples behind it are
@@ -129,7 +130,7 @@ class VectorChannel {
         segment_ = {};
         if (!active_) return;
         const std::int32_t to = last_ ? end_tick_ : tick;
-        segment_.present = to > start_tick_;
+        segment_.present = last_ ? to >= start_tick_ : to > start_tick_;
         if (segment_.present) commit_present(to, seam);
         samples_.commit(to < 0 ? 0 : to);
         newest_.tick -= tick;
@@ -139,7 +140,7 @@ class VectorChannel {
         if (!active_) return;
         open_window(0, guess);
         for (std::size_t i = 0; i < samples_.count(); ++i)
-            bound(samples_.when(i), samples_.value(i), 0);
+            bound(samples_.when(i), samples_.value(i));
     }
     void release() noexcept { samples_.release(); }
     void stop() noexcept {
@@ -298,11 +299,11 @@ class VectorChannel {
         samples_.push(at, value);
         newest_ = at;
     }
-    void bound(const curve::Moment& at, const Value& value, std::int32_t from) noexcept {
+    void bound(const curve::Moment& at, const Value& value) noexcept {
         if (!reaches(value)) stalled_ = true;
         if (stalled_) return;
         for (std::size_t a = 0; a < D; ++a)
-            search_[a].sample(at.tick - start_tick_, at.part, relative(a, value), from);
+            search_[a].sample(at.tick - start_tick_, at.part, relative(a, value));
     }
 
     /// A column at `tick`. later: the sample behind it that made it due, not yet kept; null where the
@@ -316,11 +317,9 @@ class VectorChannel {
         for (std::size_t a = 0; a < D; ++a) {
             AxisSearch<Kind, BeamT, Window + 1>& search = search_[a];
             if (stalled_) continue;
-            Level level;
-            float middle = last > 0 ? static_cast<float>(relative(a, samples_.value(last - 1))) : 0;
-            level_at(a, tick, later, later_value, level, middle);
-            search.column(columns_, tick - start_tick_, level, end, told, middle);
-            offer_jump(a, tick, middle);
+            const Level level = level_at(a, tick, later, later_value);
+            search.column(columns_, tick - start_tick_, level, end, told);
+            offer_jump(a, tick, level.middle);
             if (end)
                 search.record();
             else
@@ -329,27 +328,29 @@ class VectorChannel {
         column_samples_ = last;
     }
 
-    /// Where axis a should be at a column between samples: at the interpolated neighbours.
-    void level_at(std::size_t a, std::int32_t tick, const curve::Moment* later,
-                  const Value* later_value, Level& level, float& middle) const noexcept {
+    /// Where axis a should be at a column: at the interpolated neighbours, on the way to the later.
+    Level level_at(std::size_t a, std::int32_t tick, const curve::Moment* later,
+                   const Value* later_value) const noexcept {
+        Level level;
         const std::size_t last = samples_.count();
-        if (last == 0) {
-            if (later != nullptr && reaches(*later_value))
-                middle = static_cast<float>(relative(a, *later_value));
-            return;
+        const bool ahead = later != nullptr && reaches(*later_value);
+        if (last > 0) level.middle = static_cast<float>(relative(a, samples_.value(last - 1)));
+        if (ahead) {
+            level.later = static_cast<float>(relative(a, *later_value));
+            level.after = static_cast<float>(later->tick - tick) + later->part;
+            if (last == 0) level.middle = level.later;
         }
+        if (last == 0) return level;
         const curve::Moment at = samples_.when(last - 1);
-        const bool on = at.tick == tick && !(at.part > 0.0f);
-        if (!on) {
-            if (later == nullptr) return;
-            const float gone = static_cast<float>(tick - at.tick) - at.part;
-            const float all = static_cast<float>(later->tick - at.tick) + (later->part - at.part);
-            if (!(all > 0.0f) || !reaches(*later_value)) return;
-            middle += (static_cast<float>(relative(a, *later_value)) - middle) * (gone / all);
+        const float gone = static_cast<float>(tick - at.tick) - at.part;
+        if (gone > 0.0f) {
+            if (!ahead) return level;
+            level.middle += (level.later - level.middle) * (gone / (gone + level.after));
         }
         const float r = search_[a].radius();
-        level.low = middle - r;
-        level.high = middle + r;
+        level.low = level.middle - r;
+        level.high = level.middle + r;
+        return level;
     }
 
     /// Offers the jump from the column before, where it may be cheaper than what there is.

@@ -71,7 +71,7 @@ class Encoder {
     /// Pushes from the commit of a frame to its last byte, by the delay: short windows are coded at
     /// once.
     static constexpr std::uint32_t spare(std::uint32_t delay_records) noexcept {
-        return delay_records >= 48 ? 5 : delay_records >= 24 ? 2 : 0;
+        return delay_records >= 24 ? 2 : 0;
     }
     static constexpr std::size_t window_max = Records - spare(Records) + 1;
 
@@ -119,8 +119,7 @@ class Encoder {
         if (new_run || !running_) begin_run(t_ns);
         const reduce2::Seam seam = seam_at(t_ns);
         const auto drain = [this] { finish_frame(); };
-        static_cast<void>(gaps);
-        const bool committed = reducer_.push(t_ns, values, valid, seam, drain);
+        const bool committed = reducer_.push(t_ns, values, valid, gaps, seam, drain);
         now_ns_ = t_ns;
         if (committed)
             open_frame();
@@ -180,6 +179,12 @@ class Encoder {
     static constexpr std::size_t overhead_bits =
         60 + (0 + ... + (8 + (Channels::axes > 0 ? 2 * (5 + 32 * Channels::axes) : 174)));
 
+    /// What one column of the search may add to a frame.
+    static constexpr std::size_t column_bits =
+        (0 + ... + Channels::template Channel<window_max>::column_bits_max);
+    static_assert(8 * payload_max > overhead_bits + column_bits + 400,
+                  "the channels are too many for a frame");
+
     template <std::size_t... I>
     void configure(std::index_sequence<I...>) noexcept {
         (reducer_.template channel<I>().configure(params_.tolerance[I]), ...);
@@ -193,7 +198,6 @@ class Encoder {
         const auto pieces = static_cast<std::uint32_t>((axes + rotations) * window_max);
         portion_ = spare_ > 0 ? (pieces + spare_ - 1) / spare_ : pieces;
     }
-    static constexpr std::size_t column_bits = 600;
 
     // ---- runs
 
