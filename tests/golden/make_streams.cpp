@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     o.usual_ticks = 8;
     o.jumps = 0.3;
     o.size = 40;
-    o.restart_every = 1;
+    o.restart_every = 2;
     o.sub_ns = 1953;
     o.time_bits = 22;
     o.base_ns = 1'700'000'000'123'456'789;

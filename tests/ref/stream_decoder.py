@@ -518,7 +518,7 @@ class Decoder:
                 self.long_frame(frame)
             if frame[0] >= 0xf8 or self.header is None:
                 continue
-            if self.link and check_fits(frame, self.link) and self.follows(data, p + size, frame, self.link[1]):
+            if self.link and check_fits(frame, self.link) and self.follows(data, p + size, frame, self.link):
                 return p
             first = self.joinable(data, p, frame)
             if first is not None:
@@ -526,18 +526,20 @@ class Decoder:
                 return p + size
         return len(data)
 
-    def next_link(self, frame, end):
-        return (self.header.digest, end, zlib.crc32(frame))
+    def next_link(self, frame, end, restart, before):
+        return (self.header.digest, end, zlib.crc32(frame, 0 if restart else before[2]))
 
-    def follows(self, data, at, frame, before, count=1):
-        """Do the checks of `count` frames behind this one fit?"""
+    def follows(self, data, at, frame, link, count=1, first=False):
+        """Do the checks of `count` frames behind this one fit? first: it follows a restart frame."""
         try:
-            end = self.head(RangeDecoder(frame[1:-2]), before)[1]
+            _, end, restart = self.head(RangeDecoder(frame[1:-2]), link[1])
         except Nonsense:
             return False
-        return self.chain(data, at, self.next_link(frame, end), count)
+        if first and restart and not self.header.independent:
+            return False
+        return self.chain(data, at, self.next_link(frame, end, restart, link), count)
 
-    def chain(self, data, at, link, count):
+    def chain(self, data, at, link, count, first=False):
         if at >= len(data):
             return False
         size = frame_size(data, at)
@@ -545,10 +547,10 @@ class Decoder:
             return False
         frame = data[at:at + size]
         if frame[0] >= 0xf8:
-            return self.chain(data, at + size, link, count)
+            return self.chain(data, at + size, link, count, first)
         if not check_fits(frame, link):
             return False
-        return count == 1 or self.follows(data, at + size, frame, link[1], count - 1)
+        return count == 1 or self.follows(data, at + size, frame, link, count - 1, first)
 
     def joinable(self, data, p, frame):
         """The time that a restart frame tells, where its followers agree."""
@@ -557,7 +559,7 @@ class Decoder:
         except Nonsense:
             return None
         for _ in range(4 if restart else 0):
-            if self.chain(data, p + len(frame), self.next_link(frame, end), 2):
+            if self.chain(data, p + len(frame), self.next_link(frame, end, True, None), 2, True):
                 return start if self.header.independent else end
             start, end = (x + (64 << self.header.time_bits) for x in (start, end))
         return None
@@ -621,7 +623,7 @@ class Decoder:
         start, end, restart = self.head(io, before if joining else self.link[1], joining)
         channels, ticks = self.header.channels, (end - start) // 64
         independent = self.header.independent
-        restart = restart and not independent
+        tells, restart = restart, restart and not independent
         if joining:
             for c in channels:
                 c.tracks = [Track(t.n) for t in c.tracks]
@@ -647,7 +649,7 @@ class Decoder:
                 self.told(line)
             for c in channels:
                 self.close(c, restart, independent)
-        self.link = self.next_link(frame, end)
+        self.link = self.next_link(frame, end, tells, self.link)
         self.near = end
 
     def ends(self, io, c, restart, independent, reading):

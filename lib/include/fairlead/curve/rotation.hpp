@@ -17,7 +17,7 @@
 namespace fairlead::curve {
 
 /// Beyond this angle from the anchor (rad) a segment ends: in the chart distances grow too long.
-inline constexpr float chart_angle_max = 1.55f;
+inline constexpr float chart_angle_max = 2.2f;
 
 struct RotationState {
     Quat anchor{};

@@ -26,6 +26,10 @@ struct Window {
     Cost cost_max{16 * 880};           // 1/16 bit; a frame ends where its cost passes this
 };
 
+/// A frame ends at the next column where its cost comes this near to the most: there its end is
+/// searched as such, and not forced (1/16 bit).
+inline constexpr Cost full_soon = 16 * 80;
+
 /// A committed frame: [start, start + 64 ticks) sub-ticks of the run.
 struct Frame {
     std::int64_t start_subs{};
@@ -100,7 +104,8 @@ class Reducer {
         ++waiting_;
         ++behind_;
         if (committed || column <= column_) column = -1;
-        const bool end = column >= 0 && (waiting_ >= window_.records || stalled());
+        const bool nearly = cost() + full_soon > window_.cost_max;
+        const bool end = column >= 0 && (waiting_ >= window_.records || stalled() || nearly);
         bool starts = false;
         each([&](auto& channel, auto index) {
             constexpr std::size_t i = decltype(index)::value;
@@ -119,7 +124,7 @@ class Reducer {
         if (committed) return true;
         const bool full = cost() > window_.cost_max;
         if (column >= 0 && (end || full || stalled())) {
-            if (full) ++counts_.cost;
+            if (full || nearly) ++counts_.cost;
             return commit(column_, seam, drain);
         }
         if (waiting_ >= window_.records && column_ > 0)

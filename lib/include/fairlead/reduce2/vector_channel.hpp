@@ -241,7 +241,7 @@ class VectorChannel {
             return true;
         }
         bool holds(const std::array<std::int32_t, 1>& v) const noexcept {
-            const std::int64_t x = std::int64_t{v[0]} << curve::fine_bits;
+            const std::int64_t x = std::int64_t{v[0]} * curve::fine;
             return low <= x && x <= high;
         }
         std::array<std::int32_t, 1> value() const noexcept {
@@ -281,7 +281,7 @@ class VectorChannel {
     }
 
     std::int64_t from_origin(std::size_t a, const Value& value) const noexcept {
-        return scale_.to_fine(value[a]) - (std::int64_t{state_[a].v[0]} << curve::fine_bits);
+        return scale_.to_fine(value[a]) - std::int64_t{state_[a].v[0]} * curve::fine;
     }
     std::int32_t relative(std::size_t a, const Value& value) const noexcept {
         return static_cast<std::int32_t>(from_origin(a, value));

@@ -43,8 +43,15 @@ constexpr std::size_t frame_size(std::uint8_t first, std::uint8_t second) noexce
 struct Link {
     std::uint32_t header{0};    // CRC-32 of the header frame's fixed part
     std::int64_t end{0};        // sub-ticks since the run's base: where the frame before ended
-    std::uint32_t previous{0};  // CRC-32 of all bytes of the data frame before; 0: the run's first
+    std::uint32_t previous{0};  // digest of the data frame before; 0: the run's first
 };
+
+/// Digest of a data frame: CRC-32 of its bytes behind those of the frames before, back to the
+/// latest restart frame. So the checks of both its followers vouch for a restart frame.
+inline std::uint32_t digest_of(const std::uint8_t* frame, std::size_t size, bool restart,
+                               const Link& before) noexcept {
+    return crc32(frame, size, restart ? 0 : before.previous);
+}
 
 /// The start value of the CRC-16 of the frame at this place: CRC-16 over header, end and previous
 /// as 4 + 8 + 4 bytes, little-endian, from 0xFFFF.

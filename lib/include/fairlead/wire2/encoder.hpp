@@ -274,6 +274,9 @@ class Encoder {
     /// How a frame that ends now should hand over.
     reduce2::Seam seam_at(std::int64_t t_ns) const noexcept {
         if (params_.restart_interval_ns == every_frame_ns) return reduce2::Seam::independent;
+        // two restart frames never follow each other: the frame between lets a reader trust the
+        // first
+        if (reducer_.frame().seam == reduce2::Seam::restart) return reduce2::Seam::carry;
         // the next frame, as long as a usual one, would end too late
         const std::int64_t next =
             t_ns - restart_ns_ + grid_.tick_ns() * std::int64_t{params_.delay_records - spare_};

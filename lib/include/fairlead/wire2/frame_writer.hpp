@@ -56,8 +56,8 @@ class FrameWriter {
         bytes_[0] = static_cast<std::uint8_t>(size);
         append_crc16(bytes_.data(), 1 + size, seed(link_));
         const std::size_t all = 1 + size + check_size;
+        link_.previous = digest_of(bytes_.data(), all, head_.restart, link_);
         link_.end = head_.end;
-        link_.previous = crc32(bytes_.data(), all);
         return all;
     }
     const std::uint8_t* data() const noexcept { return bytes_.data(); }

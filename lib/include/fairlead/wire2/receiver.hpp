@@ -148,9 +148,8 @@ class Receiver {
 
     /// Frames of which each fits the one before, not yet believed.
     struct Chain {
-        std::int64_t base{0};   // of a joining one: the end of its restart frame
-        std::int64_t end{0};    // of its latest frame
-        std::uint16_t seed{0};  // of the check that follows
+        std::int64_t base{0};  // of a joining one: the end of its restart frame
+        Link link{};           // behind its latest frame
         std::array<std::uint16_t, 3> at{};
         std::uint16_t expect{0};  // where the next frame should start
         std::uint8_t count{0}, checks{0}, skips{0};
@@ -168,6 +167,11 @@ class Receiver {
         code::RangeDecoder io{frame.payload(), frame.payload_size()};
         frame.before = before;
         return code_head(io, frame.head, timing_, before, joining);
+    }
+
+    static Link link_behind(const Frame& frame, const Link& before) noexcept {
+        return {before.header, frame.head.end,
+                digest_of(frame.data, frame.size, frame.head.restart, before)};
     }
 
     // ---- in step
@@ -193,7 +197,7 @@ class Receiver {
             lose_step();
             return true;
         }
-        const Link after{link_.header, frame_.head.end, crc32(frame_.data, size)};
+        const Link after = link_behind(frame_, link);
         const std::size_t at = front_;
         if (held_ > 0) {  // its check was the second one for the frame that waits
             found = deliver_held();
@@ -258,8 +262,7 @@ class Receiver {
         chains_.fill({});
         if (held_ > 0) {  // one check fits, the next may still come
             Chain& c = chains_[0];
-            c.end = held_link_.end;
-            c.seed = seed(held_link_);
+            c.link = held_link_;
             c.at[0] = held_at_;
             c.expect = front_;
             c.count = c.checks = 1;
@@ -326,14 +329,17 @@ class Receiver {
         const std::uint16_t s = seed_of(frame.data, frame.size);
         for (std::size_t i = 0; i < chains_.size(); ++i) {
             const Chain& c = chains_[i];
-            if (c.count == 0 || c.expect != p || !fits(s, c.seed)) continue;
-            if (!read_head(frame, c.end, false)) continue;
+            if (c.count == 0 || c.expect != p || !fits(s, seed(c.link))) continue;
+            if (!read_head(frame, c.link.end, false)) continue;
             if (!append(chains_[i], p, frame)) continue;
             found_ = i;
             return true;
         }
-        if (known_ && fits(s, seed(link_)) && read_head(frame, link_.end, false))
-            append(free_chain(), p, frame);
+        if (known_ && fits(s, seed(link_)) && read_head(frame, link_.end, false)) {
+            Chain& c = free_chain();
+            c.link = link_;
+            append(c, p, frame);
+        }
         try_restarts(p, s);
         return false;
     }
@@ -362,18 +368,20 @@ class Receiver {
     void try_restart(std::size_t r, std::size_t p, std::uint16_t s) noexcept {
         Frame restart = frame_at(r), frame = frame_at(p);
         if (!read_head(restart, near_, true)) return;
-        Link link{link_.header, restart.head.end, crc32(restart.data, restart.size)};
+        Link link = link_behind(restart, link_);
         const std::int64_t turn = sub_per_tick << timing_.time_bits;
         for (int i = 0; i < unwraps; ++i, link.end += turn)
             if (fits(s, seed(link)) && read_head(frame, link.end, false))
-                return join(r, p, restart.head.start + (link.end - restart.head.end), link.end,
-                            frame);
+                return join(r, p, restart.head.start + (link.end - restart.head.end), link, frame);
     }
-    void join(std::size_t r, std::size_t p, std::int64_t start, std::int64_t end,
+    void join(std::size_t r, std::size_t p, std::int64_t start, const Link& link,
               const Frame& frame) noexcept {
+        // a second restart frame would leave the first one with a single check
+        if (frame.head.restart && !timing_.independent) return;
         Chain& c = free_chain();
         c.joins = true;
-        c.base = timing_.independent ? start : end;
+        c.base = timing_.independent ? start : link.end;
+        c.link = link;
         c.at[c.count++] = static_cast<std::uint16_t>(r);
         append(c, p, frame);
     }
@@ -388,8 +396,7 @@ class Receiver {
     bool append(Chain& c, std::size_t p, const Frame& frame) noexcept {
         c.at[c.count++] = static_cast<std::uint16_t>(p);
         ++c.checks;
-        c.end = frame.head.end;
-        c.seed = seed({link_.header, c.end, crc32(frame.data, frame.size)});
+        c.link = link_behind(frame, c.link);
         c.expect = static_cast<std::uint16_t>(p + frame.size);
         c.skips = 0;
         return c.checks >= 2;
@@ -401,7 +408,7 @@ class Receiver {
         const std::size_t at = queue_.at[queue_at_++];
         frame_ = frame_at(at);
         read_head(frame_, joins ? queue_.base : link_.end, joins);
-        const Link after{link_.header, frame_.head.end, crc32(frame_.data, frame_.size)};
+        const Link after = link_behind(frame_, link_);
         if (queue_at_ == queue_.count) {
             in_step_ = true;
             front_ = static_cast<std::uint16_t>(at + frame_.size);
