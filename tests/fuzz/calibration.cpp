@@ -47,9 +47,10 @@ void drift(Input& in) {
     GyroTemperatureFit fit;
     while (!in.empty()) fit.push(in.vector(0.1f), in.number(100));
     const auto result = fit.result();
-    if (result) FUZZ_EXPECT(finite(result->per_K) && finite(result->bias_rad_s) &&
-                            approx::is_finite(result->temperature_C) &&
-                            approx::is_finite(result->residual_rad_s));
+    if (result)
+        FUZZ_EXPECT(finite(result->per_K) && finite(result->bias_rad_s) &&
+                    approx::is_finite(result->temperature_C) &&
+                    approx::is_finite(result->residual_rad_s));
 }
 
 void turn(Input& in) {

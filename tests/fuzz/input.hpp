@@ -12,12 +12,12 @@
 #include "fairlead/base/types.hpp"
 
 /// Ends the run with the place and the text where a property does not hold.
-#define FUZZ_EXPECT(condition)                                                             \
-    do {                                                                                   \
-        if (!(condition)) {                                                                \
+#define FUZZ_EXPECT(condition)                                                                  \
+    do {                                                                                        \
+        if (!(condition)) {                                                                     \
             std::fprintf(stderr, "%s:%d: does not hold: %s\n", __FILE__, __LINE__, #condition); \
-            std::abort();                                                                  \
-        }                                                                                  \
+            std::abort();                                                                       \
+        }                                                                                       \
     } while (false)
 
 namespace fairlead::fuzz {
@@ -63,7 +63,8 @@ class Input {
         if (k < 160) return static_cast<std::int64_t>(wrapped + p);
         if (k < 216) return static_cast<std::int64_t>(wrapped + p * (k - 159u) / 7);
         if (k < 232) return static_cast<std::int64_t>(wrapped - p * (k - 215u));
-        if (k < 248) return static_cast<std::int64_t>(wrapped + p * (std::uint64_t{1} << (k - 228u)));
+        if (k < 248)
+            return static_cast<std::int64_t>(wrapped + p * (std::uint64_t{1} << (k - 228u)));
         if (k < 254) return raw<std::int64_t>();
         return k == 254 ? std::numeric_limits<std::int64_t>::max()
                         : std::numeric_limits<std::int64_t>::min();

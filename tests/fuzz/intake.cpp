@@ -13,8 +13,8 @@ using fuzz::Input;
 Pose record(Input& in, const Pose*) {
     Pose pose;
     const std::uint8_t kind = in.byte();
-    pose.flags = kind < 200 ? flag::position_valid | flag::orientation_valid
-                            : in.raw<std::uint32_t>();
+    pose.flags =
+        kind < 200 ? flag::position_valid | flag::orientation_valid : in.raw<std::uint32_t>();
     if (kind & 1) pose.p_w_m = in.vector(2e4f);
     if (kind & 2) pose.q_wb = {in.number(1), in.number(1), in.number(1), in.number(1)};
     return pose;
