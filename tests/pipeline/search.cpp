@@ -92,18 +92,21 @@ int main(int argc, char** argv) {
         else
             return std::fprintf(stderr, "unknown option %s\n", argv[i]), 2;
     }
+    const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
     Verdict total;
     std::uint64_t bad = 0;
     for (std::uint64_t k = 0; k < streams; ++k) {
         const Verdict v = stream(seed + k, records);
         if (!v.good() && (bad++ == 0 || going))
-            std::printf("FAIL seed %llu: %s\n", static_cast<unsigned long long>(seed + k),
-                        v.first.c_str()),
+            std::printf(
+                "FAIL seed %llu: %s (outside %llu, late %llu, uncovered %llu, unknown %llu, "
+                "damaged %llu, overflows %llu)\n",
+                n(seed + k), v.first.c_str(), n(v.violations), n(v.late), n(v.uncovered),
+                n(v.unknown), n(v.damaged), n(v.overflows)),
                 std::fflush(stdout);
         total.add(v);
         if (bad > 0 && !going) break;
     }
-    const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
     std::printf(
         "%llu streams, %llu records, %llu accepted, %llu values in %llu runs: %llu outside, "
         "%llu late, %llu uncovered, %llu damaged, %llu overflows; %llu breaks, %llu bytes, "
