@@ -26,7 +26,7 @@ STRICT += -Wno-double-promotion  # clang 14 counts double{x} as implicit; g++ ch
 endif
 # the same bits everywhere: no fused multiply-add, no errno side of sqrt, baseline instruction set
 BITS   := -ffp-contract=off -fno-math-errno
-BASE   := -std=c++17 -g -pthread $(BITS) $(STRICT) -Ilib/include -I.
+BASE   := -std=c++17 -pthread $(BITS) $(STRICT) -Ilib/include -I.
 # double-precision references and baselines use Eigen; the library never does
 HOST   := $(BASE) $(OPT) $(EXTRA) -isystem /usr/include/eigen3
 DEVICE := $(BASE) $(OPT) -fno-exceptions -fno-rtti
@@ -50,7 +50,7 @@ $(BUILD)/obj/%.o: %.cpp
 	$(call step,$<) $(CXX) $(HOST) $(GLUE) -MMD -MP -c $< -o $@
 -include $(if $(and $(WORK),$(wildcard $(BUILD)/obj)),$(shell find $(BUILD)/obj -name '*.d'))
 # command-line glue is wide and never hot: compile it fast
-$(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1 -g0
+$(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1
 
 # $(call archive,NAME,SOURCES) makes lib<NAME>.a
 define archive
@@ -65,15 +65,13 @@ $(BUILD)/$(strip $(1)): $(call objects,$(2)) $(foreach a,$(3),$(BUILD)/lib$(a).a
 endef
 
 # ---- archives: the simulator's parts, the rivals of the reducer, the Linux port, the gateway
-SIM_FOLDERS     := . commands models report experiments baselines/filters
-SIM_SOURCES     := $(filter-out host_sim/./sim.cpp,$(foreach d,$(SIM_FOLDERS),$(call sources,host_sim/$(d)/*.cpp)))
-SIM_SOURCES     := $(SIM_SOURCES:host_sim/./%=host_sim/%)
 SISL            := host_sim/baselines/knots/sisl.cpp
-PEERS_SOURCES   := $(filter-out $(SISL),$(foreach d,. knots compress,$(call sources,host_sim/baselines/$(d)/*.cpp)))
-PEERS_SOURCES   := $(subst /./,/,$(PEERS_SOURCES))
+SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/baselines/%,$(call sources,host_sim/*.cpp host_sim/*/*.cpp)) \
+                   $(call sources,host_sim/baselines/filters/*.cpp)
+PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
 PORT_SOURCES    := $(call sources,port/linux/*.cpp)
 GATEWAY_SOURCES := $(filter-out %_main.cpp,$(call sources,examples/gateway/*.cpp))
-GATEWAY_LIBS    := -lmodbus -lsystemd -lgpiod
+GATEWAY_LIBS    := -lmodbus -lgpiod
 $(eval $(call archive,sim,$(SIM_SOURCES)))
 $(eval $(call archive,peers,$(PEERS_SOURCES)))
 $(eval $(call archive,port,$(PORT_SOURCES)))
@@ -109,12 +107,10 @@ $(BUILD)/count_allocations.so: tests/gateway/measure/count_allocations.c
 	$(call step,$<) gcc -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC $< -o $@
 
 # the port's programs for the emulated Linux machine are linked statically
-VM_PARTS    := $(call sources,host_sim/models/*.cpp host_sim/stream*.cpp) host_sim/writers.cpp \
-               $(addprefix port/linux/,gpio.cpp i2c.cpp i2c_smbus.cpp)
 VM_TESTS    := slave stream stub iio edges verify
 VM_PROGRAMS := $(addprefix $(BUILD)/linux_vm/bin/,$(VM_TESTS) record)
-$(foreach p,$(VM_TESTS),$(eval $(call program,linux_vm/bin/$(p),tests/linux_vm/$(p).cpp $(VM_PARTS),,-static -lgpiod -lz)))
-$(eval $(call program,linux_vm/bin/record,$(RECORD) $(VM_PARTS),,-static -lgpiod -lz))
+$(foreach p,$(VM_TESTS),$(eval $(call program,linux_vm/bin/$(p),tests/linux_vm/$(p).cpp,port sim,-static -lgpiod -lz)))
+$(eval $(call program,linux_vm/bin/record,$(RECORD),port sim,-static -lgpiod -lz))
 
 # every public header compiles alone, strictly, without exceptions and RTTI
 LIB_HEADERS := $(call sources,lib/include/fairlead/*.hpp lib/include/fairlead/*/*.hpp)
@@ -142,52 +138,40 @@ $(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
 	@$(BUILD)/fairlead-sim generate '$(DEMO_MOTION)' --seed 1 --out $@
 
 TEST_PROGRAMS := $(addprefix $(BUILD)/tests/,unit port gpio1 gpio2 gateway peers)
-TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/must_fail/test_*.py)
+TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/setup/test_*.py tests/must_fail/test_*.py)
 TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/attitude examples/filter examples/reduce examples/decode)
-test: $(TESTED) ## [build demo script port gateway test reference] build and run all tests that need no other machine
+test: $(TESTED) ## [build demo script gateway test reference] build and run all tests that need no other machine
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 
 ##@ Build
-.PHONY: all sim record gateway headers registers readme install uninstall arduino clean
-all: sim record gateway ## [build port gateway] build every program that a user runs
+.PHONY: all sim record gateway headers registers readme clean
+all: sim record gateway ## [] build every program that a user runs
 sim: $(BUILD)/fairlead-sim ## [build] build the host simulator, build/fairlead-sim
 record: $(BUILD)/fairlead-record ## [build port] build the recorder, build/fairlead-record
 gateway: $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll ## [build gateway] build the gateway and its reader: build/fairlead-gateway, build/fairlead-poll
-headers: $(HEADERS_OK) ## [build] compile every public header alone, under the strict flags
+headers: $(HEADERS_OK) ## [compile] compile every public header alone, under the strict flags
 registers: $(BUILD)/fairlead-registers ## [build gateway] write docs/registers.md and the client configurations from the register map
 	@mkdir -p examples/gateway/clients
 	@$<
-readme: demo ## [build demo script] put the present output of make demo into the README
+readme: demo ## [script] put the present output of make demo into the README
 	@tests/sim/test_readme.py --write
 
-PREFIX   ?= /usr/local
-INCLUDED := $(DESTDIR)$(PREFIX)/include
-SHARED   := $(DESTDIR)$(PREFIX)/share
-install: ## [] install the headers, fairlead.pc and the CMake package (PREFIX=/usr/local, DESTDIR=)
-	install -d $(INCLUDED) $(SHARED)/pkgconfig $(SHARED)/cmake
-	cp -R lib/include/fairlead $(INCLUDED)/
-	install -m 644 lib/fairlead.pc $(SHARED)/pkgconfig/
-	install -d $(SHARED)/cmake/fairlead && install -m 644 lib/cmake/*.cmake $(SHARED)/cmake/fairlead/
-uninstall: ## [] remove what install put there
-	rm -rf $(INCLUDED)/fairlead $(SHARED)/cmake/fairlead $(SHARED)/pkgconfig/fairlead.pc
-arduino: ## [] lay the library out for the Arduino tools, in build/arduino/fairlead
-	@rm -rf $(BUILD)/arduino && mkdir -p $(BUILD)/arduino/fairlead/src
-	@cp -R lib/include/fairlead $(BUILD)/arduino/fairlead/src/ && cp lib/library.properties LICENSE $(BUILD)/arduino/fairlead/
-	@printf '#pragma once\n#include "fairlead/pipeline.hpp"\n' >$(BUILD)/arduino/fairlead/src/fairlead.h
 clean: ## [] remove everything that was built
 	rm -rf build
 
 ##@ More tests
-.PHONY: test-clang test-sanitize test-packages test-strain same-bytes
-test-clang: ## [build demo script port gateway test reference clang] the same tests, built with clang++
+.PHONY: fresh-machine test-clang test-sanitize test-strain same-bytes
+TARGETS ?= demo test
+RUN_AS  ?= both
+fresh-machine: ## [fresh] run TARGETS="demo test" on a bare Debian 12 made for it, as root and as a user with sudo (RUN_AS=root|user|both)
+	@.ci/fresh-machine --as $(RUN_AS) $(TARGETS)
+test-clang: ## [build demo script gateway test reference clang] the same tests, built with clang++
 	+@$(MAKE) test BUILD=build/clang CXX=clang++
-test-sanitize: ## [build demo script port gateway test reference clang] the same tests under AddressSanitizer and UBSan
-	+@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-D_GLIBCXX_ASSERTIONS -fsanitize=address,undefined -fno-sanitize-recover=all'
-test-packages: arduino ## [packages] use the installed library from outside, and check every manifest
-	@tests/packages/check.py
-test-strain: $(BUILD)/tests/strain ## [build reference script] hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
+test-sanitize: ## [build demo script gateway test reference clang sanitize] the same tests under AddressSanitizer and UBSan
+	+@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-g -D_GLIBCXX_ASSERTIONS -fsanitize=address,undefined -fno-sanitize-recover=all'
+test-strain: $(BUILD)/tests/strain ## [build reference] hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
 	@tests/run $(BUILD)/tests/strain
-same-bytes: ## [build script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
+same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
 	@tests/sim/test_same_bytes.py $(wildcard $(RECORDINGS)/tracker120/*.trk)
 
 # fuzz targets: clang, AddressSanitizer and UBSan, libFuzzer's own main; what they need of other parts is compiled with them
@@ -201,86 +185,105 @@ $(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp
 .PHONY: fuzz mutants
 mutants: $(BUILD)/libsim.a ## [build script test reference] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
 	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
-fuzz: $(FUZZ_TARGETS) ## [build clang script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
+fuzz: $(FUZZ_TARGETS) ## [build clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
 
 .PHONY: gateway-peers gateway-firmware gateway-sanitize gateway-measure linux-vm-test
-gateway-peers: gateway ## [build script gateway modbus-peers] other people's Modbus clients against the gateway, TCP and RTU
+gateway-peers: gateway ## [script modbus-peers] other people's Modbus clients against the gateway, TCP and RTU
 	@/usr/bin/python3 tests/gateway/service.py $(BUILD)
 	@/usr/bin/python3 tests/gateway/peers.py $(BUILD)
-gateway-firmware: gateway $(BUILD)/firmware-motion ## [build gateway target] the firmware image under QEMU, its UART into the gateway, a client rebuilds
-	+@$(TARGET) BUILD=$(BUILD)/target $(BUILD)/target/firmware/firmware.elf
+gateway-firmware: gateway $(BUILD)/firmware-motion ## [script cortex-m cortex-m-emulator] the firmware image under QEMU, its UART into the gateway, a client rebuilds
+	+@$(TARGET) $(BUILD)/target/firmware/firmware.elf
 	@tests/gateway/firmware/run.py $(BUILD)
 SANITIZERS := address thread
-gateway-sanitize: $(SANITIZERS:%=gateway-sanitize-%) ## [build gateway test reference clang] the gateway's tests and a hostile minute under ASan with UBSan, and under TSan
+gateway-sanitize: $(SANITIZERS:%=gateway-sanitize-%) ## [build test gateway clang sanitize] the gateway's tests and a hostile minute under ASan with UBSan, and under TSan
 	@echo "ok gateway-sanitize"
 .PHONY: $(SANITIZERS:%=gateway-sanitize-%)
 $(SANITIZERS:%=gateway-sanitize-%): SANITIZED = $(BUILD)/sanitize-$(@:gateway-sanitize-%=%)
 $(SANITIZERS:%=gateway-sanitize-%): export TSAN_OPTIONS := halt_on_error=1
 $(SANITIZERS:%=gateway-sanitize-%): gateway-sanitize-%:
-	+@$(MAKE) BUILD=$(SANITIZED) CXX=clang++ OPT=-O1 EXTRA="-fsanitize=$(if $(filter address,$*),address$(comma)undefined,$*) -fno-sanitize-recover=all" \
+	+@$(MAKE) BUILD=$(SANITIZED) CXX=clang++ OPT=-O1 EXTRA="-g -fsanitize=$(if $(filter address,$*),address$(comma)undefined,$*) -fno-sanitize-recover=all" \
 	  $(addprefix $(SANITIZED)/,tests/gateway fairlead-gateway fairlead-gateway-measure)
 	@tests/run $(SANITIZED)/tests/gateway
 	@set -e; for run in '--growth 100000 memory' noise restart; do \
 	  $(SANITIZED)/fairlead-gateway-measure --gateway $(SANITIZED)/fairlead-gateway --seconds 20 $$run; done
 comma := ,
 MEASURED := torn load history noise noise-table restart '--seconds 20 allocations' '--seconds 600 memory'
-gateway-measure: gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so ## [build gateway] the figures of docs/gateway.md: a quarter of an hour
+gateway-measure: gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so ## [] the figures of docs/gateway.md: a quarter of an hour
 	@set -e; for what in $(MEASURED); do echo "fairlead-gateway-measure $$what"; $(BUILD)/fairlead-gateway-measure $$what; done
 VM_RECORDING := $(or $(firstword $(wildcard $(RECORDINGS)/08*.imu $(RECORDINGS)/*.imu)),-)
-linux-vm-test: gateway $(VM_PROGRAMS) ## [build gateway linux-vm] boot a Debian kernel under QEMU and run the port against it (minutes)
+linux-vm-test: gateway $(VM_PROGRAMS) ## [linux-vm] boot a Debian kernel under QEMU and run the port against it (minutes)
 	@tests/linux_vm/run $(BUILD) $(VM_RECORDING)
 
 .PHONY: format format-check tidy
 # what is generated, or keeps the kernel's style, is not formatted
 OWN_SOURCES = $(shell git ls-files -co --exclude-standard '*.hpp' '*.cpp' '*.h' '*.c' \
                 ':!examples/gateway/clients' ':!tests/linux_vm/module')
-format: ## [lint] rewrite the sources in the project's format
+format: ## [format] rewrite the sources in the project's format
 	@clang-format -i $(OWN_SOURCES)
-format-check: ## [lint] fail where a source is not in the project's format
+format-check: ## [format] fail where a source is not in the project's format
 	@clang-format --dry-run --Werror $(OWN_SOURCES)
-tidy: ## [lint build] clang-tidy over the library
+tidy: ## [tidy compile] clang-tidy over the library
 	@mkdir -p $(BUILD) && printf '#include "%s"\n' $(LIB_HEADERS:lib/include/%=%) > $(BUILD)/tidy.cpp
 	@clang-tidy --quiet --header-filter='lib/include/.*' $(BUILD)/tidy.cpp -- $(BASE)
 
 ##@ Measure, and write the tables of the documentation
 .PHONY: bench bench-smooth bench-peers compare experiments attitude-table attitude-day attitude-counts
-bench: bench-smooth ## [build bench reference] time smoothing beside its rivals (also: bench-peers, compare, attitude-table)
-bench-smooth: $(BUILD)/bench-smooth ## [build bench reference] time strain smoothing beside gradient descent and fairing
+bench: bench-smooth ## [] time smoothing beside its rivals (also: bench-peers, compare, attitude-table)
+bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing beside gradient descent and fairing
 	$<
-bench-peers: $(BUILD)/bench-peers sim ## [build peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
+bench-peers: $(BUILD)/bench-peers sim ## [peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
 	$< --page docs/peers.md --control-points host_sim/bench_peers/control_points.csv --sweep host_sim/bench_peers/sweep.csv
-compare: sim ## [build demo] our causal filters beside their rivals, on all recordings: the tables and plot of docs/choose.md (minutes)
+compare: sim ## [demo] our causal filters beside their rivals, on all recordings: the tables and plot of docs/choose.md (minutes)
 	$(BUILD)/fairlead-sim compare $(wildcard $(RECORDINGS)/tracker120/*.trk) --seconds 12 --page docs/choose.md --out $(BUILD)/compare
 	@cp $(BUILD)/compare/compare_06*.svg docs/img/compare.svg
-experiments: sim ## [build demo] rerun the papers' experiments: rewrites the tables and plots of docs/experiments
+experiments: sim ## [demo] rerun the papers' experiments: rewrites the tables and plots of docs/experiments
 	$(BUILD)/fairlead-sim experiment all --out docs/experiments
 attitude-table: $(BUILD)/bench-attitude ## [build reference] measure orientation on all recordings and rewrite the tables of docs/attitude.md
 	$< table $(RECORDINGS) --into docs/attitude.md
 attitude-day: $(BUILD)/bench-attitude ## [build reference] a day of recordings on end: float beside double, covariance positive throughout
 	$< day $(RECORDINGS)
-attitude-counts: ## [target] instructions of an attitude sample on a Cortex-M4F, all recordings, against their budgets
-	+@$(TARGET) images build/target/count.so CORES=m4f SUBJECTS='attitude attitude_imu'
-	@tests/target/attitude_counts.py --recordings $(RECORDINGS)
+attitude-counts: ## [compile script cortex-m cortex-m-emulator] instructions of an attitude sample on a Cortex-M4F, all recordings, against their budgets
+	+@$(TARGET) images $(BUILD)/target/count.so CORES=m4f SUBJECTS='attitude attitude_imu'
+	@tests/target/attitude_counts.py --build $(BUILD)/target --recordings $(RECORDINGS)
 
 ##@ Cortex-M and RISC-V under an emulator (docs/target.md, docs/bounds.md)
-TARGET = $(MAKE) -f tests/target/target.mk
+TARGET = $(MAKE) -f tests/target/target.mk BUILD=$(BUILD)/target
 CORE  ?= m4f
 .PHONY: target-test target-soak bounds size firmware-run must-fail port-device
-target-test: ## [target] the same bits on every core, exact counts, BOUNDS.md, heap and stack checks, a firmware run
+target-test: ## [compile script reference clang cortex-m cortex-m-emulator risc-v stack-bound] the same bits on every core, exact counts, BOUNDS.md, heap and stack checks, a firmware run
 	+@$(TARGET) calibrate same-bits bounds trap firmware-run recordings
-target-soak: ## [target] all recordings on all cores, and a longer search for dear streams
+target-soak: ## [compile script clang cortex-m cortex-m-emulator risc-v stack-bound] all recordings on all cores, and a longer search for dear streams
 	+@$(TARGET) same-bits search recordings SOAK=1
-bounds: ## [target] check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=header CORE=m4f RECORDING=file BUDGET=n
+bounds: ## [compile script reference cortex-m cortex-m-emulator stack-bound] check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=header CORE=m4f RECORDING=file BUDGET=n
 	+@$(TARGET) $(if $(CONFIG),user CORES=$(CORE),bounds)
-size: ## [target] flash, RAM and stack of the firmware example, and its linker map
+size: ## [compile script cortex-m] flash, RAM and stack of the firmware example, and its linker map
 	+@$(TARGET) firmware
-firmware-run: ## [target] run the firmware example under QEMU and decode what its UART sent
+firmware-run: ## [compile cortex-m cortex-m-emulator] run the firmware example under QEMU and decode what its UART sent
 	+@$(TARGET) firmware-run
-must-fail: ## [target] plant six faults in a copy of the tree: the target checks must catch each
+must-fail: ## [compile script cortex-m cortex-m-emulator stack-bound] plant six faults in a copy of the tree: the target checks must catch each
 	@tests/must_fail/plantings.py
-port-device: $(BUILD)/device/drivers.o ## [target] the sensor drivers for a Cortex-M4F: no heap, no exceptions
+port-device: $(BUILD)/device/drivers.o ## [cortex-m] the sensor drivers for a Cortex-M4F: no heap, no exceptions
 	@! arm-none-eabi-nm -uC $< | grep -E 'malloc|calloc|realloc|free|operator|__cxa|unwind'
 	@echo "ok port-device: no heap, no exceptions" && arm-none-eabi-size $<
 $(BUILD)/device/drivers.o: tests/port/device/drivers.cpp $(wildcard port/sensors/*.hpp) $(LIB_HEADERS)
 	$(call step,$<) arm-none-eabi-g++ $(CORTEX_M4) $(filter-out -pthread,$(DEVICE)) -fno-threadsafe-statics -c $< -o $@
+
+##@ Compilers and packages (docs/portability.md, docs/packages.md, docs/versions.md)
+.PHONY: compilers install uninstall dist test-packages release-check
+compilers: ## [script compilers] the public headers with all compilers, standards, warnings and other people's macros; what flags do
+	@tests/compilers/check.py
+	@tests/compilers/flags.py
+PREFIX    ?= /usr/local
+INSTALLED := $(DESTDIR)$(PREFIX)
+install: ## [install] install the headers, fairlead.pc and the CMake package (PREFIX=/usr/local, DESTDIR=)
+	@cmake -S lib -B $(BUILD)/install -DCMAKE_INSTALL_PREFIX=$(PREFIX) >/dev/null && cmake --install $(BUILD)/install
+uninstall: ## [] remove what install put there
+	rm -rf $(INSTALLED)/include/fairlead $(INSTALLED)/share/cmake/fairlead $(INSTALLED)/share/pkgconfig/fairlead.pc
+PROJECT_URL ?=
+dist: ## [script] make the release archives in build/dist (PROJECT_URL: the page that the manifests name)
+	@lib/packages/dist.py --url '$(PROJECT_URL)' $(BUILD)/dist
+test-packages: ## [packages] make the archives, unpack each, and use it as its ecosystem does
+	@/usr/bin/python3 tests/packages/check.py
+release-check: ## [script] is this commit ready to be tagged as a release? says what is missing
+	@/usr/bin/python3 tests/packages/release.py

@@ -8,7 +8,7 @@
 
 #include "fairlead/sense/attitude_params.hpp"
 #include "fairlead/sense/attitude_state.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "host_sim/spec.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 

@@ -22,6 +22,10 @@ const char* const generate_help =
     "  events, from where they stand, while the motion goes on:\n"
     "    gap:S                        no records for S seconds\n"
     "    lose:CHANNEL:S               position, orientation or both are not valid\n"
+    "    dropouts:CHANNEL:S:COUNT[:LONGEST]\n"
+    "                                 COUNT losses of a channel at random times within S seconds, "
+    "each\n"
+    "                                 of at most LONGEST seconds   [0.3]\n"
     "    press:CHANNEL:S[:COUNT]      COUNT presses of a button, value 1 and then 0 of a discrete\n"
     "                                 channel, at times within S seconds   [1]\n"
     "  settings of the whole recording:\n"
@@ -42,7 +46,7 @@ struct Plan {
     double rate_hz{}, jitter_s{};
     std::vector<Span> events;
     std::vector<Event> presses;
-    Random press_times;
+    Random press_times, dropout_times;
     Motion motion;
 };
 
@@ -87,6 +91,19 @@ bool add_motion(const SpecItem& item, Motion& motion) {
     return true;
 }
 
+/// Short losses, as when a hand hides the markers of an optical tracker.
+void add_dropouts(const SpecItem& item, double from_s, Plan& plan) {
+    item.expect_arguments(3, 4);
+    const std::uint32_t channel = channel_named(item.arguments[0], item);
+    const double s = item.number(1, 1e-6, longest_s);
+    const long count = item.whole(2, 1, 100000);
+    const double longest = item.number(3, 1e-6, longest_s, 0.3);
+    for (long i = 0; i < count; ++i) {
+        const double at_s = plan.dropout_times.uniform(from_s, from_s + s);
+        plan.events.push_back({at_s, at_s + plan.dropout_times.uniform(0, longest), channel});
+    }
+}
+
 /// At any nanosecond: events do not wait for a record.
 void add_presses(const SpecItem& item, double from_s, Plan& plan) {
     item.expect_arguments(2, 3);
@@ -109,9 +126,12 @@ bool add_event(const SpecItem& item, Plan& plan) {
         plan.events.push_back({now_s, now_s + item.number(0, 0, longest_s), 0});
     } else if (item.name == "press") {
         add_presses(item, now_s, plan);
+    } else if (plan.model.is_imu && (item.name == "lose" || item.name == "dropouts")) {
+        item.refuse("an IMU has no channels of a pose to lose");
+    } else if (item.name == "dropouts") {
+        add_dropouts(item, now_s, plan);
     } else if (item.name == "lose") {
         item.expect_arguments(2, 2);
-        if (plan.model.is_imu) item.refuse("an IMU has no channels of a pose to lose");
         plan.events.push_back(
             {now_s, now_s + item.number(1, 0, longest_s), channel_named(item.arguments[0], item)});
     } else {
@@ -122,7 +142,9 @@ bool add_event(const SpecItem& item, Plan& plan) {
 
 Plan make_plan(const std::string& spec, std::uint64_t seed) {
     const auto items = parse_spec(spec);
-    Plan plan{sensor_models()[1], 0, 0, {}, {}, Random{seed ^ 0x7072657373u}, Motion{Random{seed}}};
+    Plan plan{
+        sensor_models()[1],  0, 0, {}, {}, Random{seed ^ 0x7072657373u}, Random{seed ^ 0x64726F70u},
+        Motion{Random{seed}}};
     std::vector<const SpecItem*> motions;
     for (const SpecItem& item : items) {  // settings first: they hold for the whole recording
         if (item.name == "model") {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 

@@ -11,7 +11,7 @@
 #include "fairlead/sense/intake.hpp"
 #include "fairlead/wire/encoder.hpp"
 #include "host_sim/attitude_trace.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 

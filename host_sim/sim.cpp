@@ -4,11 +4,12 @@
 #include <exception>
 #include <stdexcept>
 
+#include "fairlead/version.hpp"
 #include "host_sim/commands/commands.hpp"
 
 namespace {
 
-constexpr const char* version = "fairlead-sim 0.1.0";
+constexpr const char* version = "fairlead-sim " FAIRLEAD_VERSION;
 constexpr int exit_ok = 0, exit_bad_data = 1, exit_usage = 2;
 
 void add_commands(CLI::App& app) {  // one line each
@@ -23,6 +24,7 @@ void add_commands(CLI::App& app) {  // one line each
     fairlead::sim::add_experiment(app);
     fairlead::sim::add_generate(app);
     fairlead::sim::add_faults(app);
+    fairlead::sim::add_convert(app);
     fairlead::sim::add_info(app);
 }
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <sstream>
 
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 namespace {

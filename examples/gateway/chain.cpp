@@ -41,10 +41,12 @@ class ChainOf final : public Chain<Record> {
 };
 
 template <AttitudeMode mode>
-std::unique_ptr<Chain<Sample>> sample_chain(const EncoderParams& encoder) {
+std::unique_ptr<Chain<Sample>> sample_chain(const UnitConfig& unit, std::uint32_t tick_ns) {
     using Inner = ImuPipeline<ChainConfig, mode>;
     typename Inner::Params params;
-    params.motion.encoder = encoder;
+    params.calibration = unit.calibration;
+    params.attitude.bias_max_rad_s = static_cast<float>(unit.bias_max_rad_s);
+    params.motion.encoder = encoder_params(unit, tick_ns);
     return std::make_unique<ChainOf<Sample, Inner>>(params);
 }
 
@@ -59,9 +61,8 @@ std::unique_ptr<Chain<Pose>> make_pose_chain(const UnitConfig& unit, std::uint32
 
 std::unique_ptr<Chain<Sample>> make_sample_chain(const UnitConfig& unit, std::uint32_t tick_ns,
                                                  bool magnetometer) {
-    const EncoderParams encoder = encoder_params(unit, tick_ns);
-    return magnetometer ? sample_chain<AttitudeMode::imu_mag>(encoder)
-                        : sample_chain<AttitudeMode::imu>(encoder);
+    return magnetometer ? sample_chain<AttitudeMode::imu_mag>(unit, tick_ns)
+                        : sample_chain<AttitudeMode::imu>(unit, tick_ns);
 }
 
 }  // namespace fairlead::gateway

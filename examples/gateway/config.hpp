@@ -9,7 +9,10 @@
 
 #include "examples/gateway/feed.hpp"
 #include "examples/gateway/log.hpp"
+#include "fairlead/sense/attitude_params.hpp"
+#include "fairlead/sense/calibrate.hpp"
 #include "port/linux/imu_loop.hpp"
+#include "port/linux/modbus_rtu.hpp"
 #include "port/linux/modbus_tcp.hpp"
 #include "port/linux/serial.hpp"
 
@@ -19,6 +22,7 @@ struct RtuConfig {
     std::string device;
     port::SerialConfig line{19200, port::Parity::even, 1};
     bool rs485{};
+    std::int64_t gap_ns{port::ModbusRtuConfig{}.gap_ns};  // silence that ends a frame
 };
 
 /// A contact on a GPIO line as a discrete channel.
@@ -42,8 +46,12 @@ struct UnitConfig {
     std::string device;  // serial line
     port::SerialConfig line{};
 
-    port::ImuSetup imu;  // sensor on this machine
-    int bus{1};
+    port::ImuSetup imu;             // sensor on this machine
+    std::string bus{"/dev/i2c-1"};  // or "/dev/spidev0.0"
+    int spi_hz{1000000};
+    int mag_bus{-1};  // I2C bus of the magnetometer; the sensor's own
+    Calibration calibration{};
+    double bias_max_rad_s{AttitudeParams{}.bias_max_rad_s};
     std::string chip{"/dev/gpiochip0"};
     unsigned line_number{};  // of the data-ready line
     std::vector<ButtonConfig> buttons;
@@ -65,6 +73,7 @@ struct Config {
 
 /// Two units with equal settings need no restart when the configuration is read again.
 bool operator==(const UnitConfig& a, const UnitConfig& b);
+bool operator==(const RtuConfig& a, const RtuConfig& b);
 /// The same of everything that the server is opened with.
 bool same_server(const Config& a, const Config& b);
 

@@ -4,17 +4,19 @@
 // Exit codes: 0 stopped by a signal, 64 wrong flags, 66 a recording cannot be read, 69 an address
 // or a line cannot be had, 71 the system refuses, 78 the configuration is wrong.
 #include <poll.h>
-#include <signal.h>
 #include <sys/signalfd.h>
 #include <sysexits.h>
-#include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
+#include <optional>
 
 #include "examples/gateway/config.hpp"
+#include "examples/gateway/notify.hpp"
+#include "examples/gateway/reloader.hpp"
 #include "examples/gateway/service.hpp"
 #include "examples/gateway/version.hpp"
 #include "port/linux/clock.hpp"
@@ -108,70 +110,82 @@ void tell(const ConfigResult& result) {
 }
 
 void log_ready(const Service& service, const Config& config, const char* event) {
-    for (const std::uint16_t port : service.ports()) {
+    for (const std::uint16_t port : service.ports())
         LogLine{Level::info, event}.add("port", port).add("units", config.units.size());
-    }
+    if (service.ports().empty()) LogLine{Level::info, event}.add("units", config.units.size());
 }
 
-/// SIGHUP: what is wrong in the new configuration leaves the old one running.
-/// @return false when not even the old one can be had again.
-bool reload(const Flags& flags, Service& service, Config& config) {
-    const ConfigResult next = configured(flags);
-    if (!next.errors.empty()) {
-        LogLine{Level::error, "reload refused"}.add("why", next.errors.front());
-        return true;
-    }
-    try {
-        service.apply(next.config);
-        config = next.config;
-        LogLine::set_threshold(config.log_level);
-        log_ready(service, config, "reloaded");
-    } catch (const StartError& error) {
-        LogLine{Level::error, "reload failed"}.add("why", error.text);
+/// What a reload has come to, in the serving thread: what is wrong in the new configuration leaves
+/// the old one running.
+void take_over(Reloader& reloader, Service& service) {
+    auto loaded = reloader.take();
+    if (!loaded) return;
+    Service::Change change;
+    if (!loaded->plan) {
+        LogLine{Level::error, "reload refused"}.add("why", loaded->error);
+    } else {
         try {
-            service.apply(config);
-        } catch (const StartError& worse) {
-            LogLine{Level::error, "cannot go on"}.add("why", worse.text);
-            return false;
+            change = service.commit(std::move(*loaded->plan));
+            LogLine::set_threshold(loaded->config.log_level);
+            log_ready(service, loaded->config, "reloaded");
+        } catch (const StartError& error) {
+            LogLine{Level::error, "reload failed, going on as before"}.add("why", error.text);
         }
     }
-    return true;
+    reloader.finish(std::move(change), service.running_units());
+    notify("READY=1");
 }
 
-int serve(const Flags& flags, Config config) {
-    LogLine::set_threshold(config.log_level);
+/// Signals by a descriptor: none of them interrupts anything.
+int open_signals() {
     sigset_t signals;
     sigemptyset(&signals);
     for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
     sigprocmask(SIG_BLOCK, &signals, nullptr);
-    const int wake_fd = signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
-    if (wake_fd < 0) return EX_OSERR;
+    std::signal(SIGPIPE, SIG_IGN);  // of a log or a client that is gone
+    return signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
+}
 
+void run(int signal_fd, Service& service, Reloader& reloader) {
+    const std::int64_t watchdog_ns = watchdog_period_ns();
+    const std::int64_t beat_ns = watchdog_ns > 0 ? watchdog_ns / 3 : port::second;
+    notify("READY=1");
+    for (;;) {
+        service.serve({signal_fd, reloader.fd()}, port::now_ns() + beat_ns);
+        if (watchdog_ns > 0 && service.is_alive(port::now_ns())) notify("WATCHDOG=1");
+        take_over(reloader, service);
+        signalfd_siginfo signal{};
+        if (read(signal_fd, &signal, sizeof signal) != sizeof signal) continue;
+        if (signal.ssi_signo != SIGHUP) return;
+        notify_reloading(port::now_ns());
+        reloader.begin(service.running_units());
+    }
+}
+
+int serve(const Flags& flags, const Config& config) {
+    LogLine::set_threshold(config.log_level);
+    const int signal_fd = open_signals();
+    if (signal_fd < 0) return EX_OSERR;
+    std::optional<LogWriter> log{std::in_place};
     Service service{port::now_ns()};
     try {
         service.apply(config);
+        log_ready(service, config, "ready");
+        Reloader reloader{[&flags] { return configured(flags); }};
+        run(signal_fd, service, reloader);
+        notify("STOPPING=1");
+        LogLine{Level::info, "stopped"}.add("requests", service.counters().requests);
+        if (reloader.is_busy()) {  // it may read for minutes, and nothing needs what it reads
+            log.reset();
+            _exit(EX_OK);
+        }
     } catch (const StartError& error) {
         LogLine{Level::error, "cannot start"}.add("why", error.text);
         return error.code;
+    } catch (const std::exception& error) {
+        LogLine{Level::error, "cannot start"}.add("why", error.what());
+        return EX_OSERR;
     }
-    log_ready(service, config, "ready");
-    std::uint64_t watchdog_us = 0;
-    const bool watched = sd_watchdog_enabled(0, &watchdog_us) > 0;
-    const std::int64_t beat_ns =
-        watched ? static_cast<std::int64_t>(watchdog_us) * port::us / 3 : port::second;
-    sd_notify(0, "READY=1");
-    for (;;) {
-        service.serve(wake_fd, port::now_ns() + beat_ns);
-        if (watched && service.is_alive(port::now_ns())) sd_notify(0, "WATCHDOG=1");
-        signalfd_siginfo signal{};
-        if (read(wake_fd, &signal, sizeof signal) != sizeof signal) continue;
-        if (signal.ssi_signo != SIGHUP) break;
-        sd_notify(0, "RELOADING=1");
-        if (!reload(flags, service, config)) return EX_UNAVAILABLE;
-        sd_notify(0, "READY=1");
-    }
-    sd_notify(0, "STOPPING=1");
-    LogLine{Level::info, "stopped"}.add("requests", service.counters().requests);
     return EX_OK;
 }
 

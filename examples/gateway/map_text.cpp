@@ -3,12 +3,12 @@
 #include <cctype>
 #include <string_view>
 
-#include "port/linux/registers.hpp"
+#include "examples/gateway/register_map.hpp"
 
 namespace fairlead::gateway {
 namespace {
 
-namespace reg = port::registers;
+namespace reg = register_map;
 using reg::Field;
 using reg::Type;
 
@@ -41,8 +41,8 @@ std::string block_of(const Field& row) {
     return std::string{dot == std::string_view::npos ? "map" : name.substr(0, dot)};
 }
 
-template <std::size_t N>
-std::string table_of(const std::array<Field, N>& rows, const char* place) {
+template <class Rows>
+std::string table_of(const Rows& rows, const char* place) {
     std::string out = std::string{"| "} + place +
                       " | registers | type | field | unit | meaning |\n" +
                       "|---:|---:|---|---|---|---|\n";

@@ -16,7 +16,7 @@
 
 #include "examples/gateway/reader.hpp"
 #include "fairlead/math/quat.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 #include "port/linux/clock.hpp"
 
 namespace {

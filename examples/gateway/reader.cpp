@@ -1,3 +1,4 @@
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/reader.hpp"
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 namespace fairlead::gateway {
 namespace {
 
-namespace reg = port::registers;
+namespace reg = register_map;
 using port::CurveChannel;
 using port::CurveSpan;
 

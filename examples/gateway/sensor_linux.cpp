@@ -13,7 +13,7 @@ class LinuxHardware final : public SensorHardware {
   public:
     Opened open(const UnitConfig& unit) override {
         close();
-        if (const Status s = bus_.open(unit.bus); s != Status::ok) return {s, "i2c bus"};
+        if (const Status s = bus_.open(unit.bus.c_str()); s != Status::ok) return {s, "i2c bus"};
         if (const Status s = ready_.open(unit.chip.c_str(), unit.line_number); s != Status::ok)
             return {s, "data-ready line"};
         buttons_.reserve(unit.buttons.size());  // contacts keep pointers to their lines

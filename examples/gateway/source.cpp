@@ -28,7 +28,8 @@ void Source::stop() {
 }
 
 bool Source::is_alive(std::int64_t now_ns) const noexcept {
-    return now_ns - heartbeat_ns_.load(std::memory_order_relaxed) < silence_ns;
+    const std::int64_t heard_ns = heartbeat_ns_.load(std::memory_order_relaxed);
+    return heard_ns == 0 || now_ns - heard_ns < silence_ns;
 }
 
 bool Source::stopping() noexcept {

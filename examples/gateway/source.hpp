@@ -17,9 +17,11 @@ class Source {
     Source& operator=(const Source&) = delete;
 
     void start(UnitFeed& feed, std::uint32_t epoch);
+    /// The thread ends soon; stop() then hardly waits.
+    void request_stop() noexcept { stop_ = true; }
     /// Ends within a tenth of a second. Every derived class's destructor must have called it.
     void stop();
-    /// False when the thread has not come round for ten seconds.
+    /// False when the thread has not come round for ten seconds; true before start().
     bool is_alive(std::int64_t now_ns) const noexcept;
 
   protected:

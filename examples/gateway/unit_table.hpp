@@ -2,21 +2,13 @@
 // One unit's registers, kept by the server's thread alone.
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "examples/gateway/feed.hpp"
-#include "port/linux/modbus.hpp"
-#include "port/linux/registers.hpp"
+#include "examples/gateway/register_map.hpp"
 
 namespace fairlead::gateway {
-
-/// What the health block says of the server; the same for every unit.
-struct ServerState {
-    std::int64_t started_ns{};
-    std::uint32_t clients{};
-    std::uint32_t turn_max_us{};
-    const port::ModbusCounters* counters{};
-};
 
 class UnitTable {
   public:
@@ -39,9 +31,10 @@ class UnitTable {
     std::array<std::uint16_t, port::registers::map_length> registers_{};
     std::array<std::uint32_t, 2> spans_{};  // so far, per channel
     std::uint32_t events_{};
-    std::uint32_t epoch_{};
     std::int64_t stale_ns_{};
     UnitState state_{};
+    std::string name_;
+    View view_{};
 };
 
 }  // namespace fairlead::gateway

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "examples/record/writer.hpp"
+#include "host_sim/recording/imu2.hpp"
 #include "port/linux/clock.hpp"
 #include "port/linux/gpio.hpp"
 #include "port/linux/i2c.hpp"
@@ -61,7 +62,10 @@ int run(const Options& o, ImuLoop& loop, const DataReady& ready, const I2c& bus)
     }
     record::Writer writer;
     const double period_s = static_cast<double>(loop.period_ns()) * 1e-9;
-    bool good = writer.open(o.out, probe.part, period_s);
+    const std::uint32_t fields = sim::imu_field::gyro | sim::imu_field::accel |
+                                 sim::imu_field::temperature |
+                                 (o.imu.mag.empty() ? 0 : sim::imu_field::mag);
+    bool good = writer.open(o.out, probe.part, period_s, fields);
     const std::int64_t start = now_ns();
     std::int64_t next_line = start + second;
     std::uint64_t told = 0;
@@ -93,7 +97,7 @@ int run(const Options& o, ImuLoop& loop, const DataReady& ready, const I2c& bus)
 
 int main(int argc, char** argv) {
     Options o;
-    CLI::App app{"Records an inertial sensor on I2C to .imu or EuRoC .csv.", "fairlead-record"};
+    CLI::App app{"Records an inertial sensor on I2C to .imu or .csv.", "fairlead-record"};
     app.add_option("out", o.out, "file to write, .imu or .csv; must not exist")->required();
     app.add_option("--bus", o.bus, "I2C bus: /dev/i2c-N")->capture_default_str();
     app.add_option("--sensor", o.imu.sensor,

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "fairlead/math/quat.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/writers.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "host_sim/generate.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/writers.hpp"
 
 namespace fairlead::sim {
 namespace {

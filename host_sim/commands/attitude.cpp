@@ -6,6 +6,7 @@
 #include "host_sim/attitude_run.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
+#include "host_sim/refused.hpp"
 
 namespace fairlead::sim {
 namespace {
@@ -49,6 +50,7 @@ void run(Options options) {
     const auto estimate = run_attitude(recording, mode, AttitudeParams{}, options.conditions);
     if (estimate.empty()) throw BadData(recording.name + ": no sample is left to estimate from");
     write_bytes(options.out, to_estimate_csv(estimate));
+    options.input.judge_refused(refused_records(recording), recording.size());
 }
 
 }  // namespace
@@ -57,6 +59,7 @@ void add_attitude(CLI::App& app) {
     auto* command = app.add_subcommand("attitude", "Estimate orientation from an IMU recording");
     auto o = std::make_shared<Options>();
     o->input.add_to(*command);
+    o->input.add_strict_to(*command);
     add_mode(*command, o->mode);
     command
         ->add_option("--drop", o->drop,

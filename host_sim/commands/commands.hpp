@@ -9,6 +9,7 @@ namespace fairlead::sim {
 void add_allan(CLI::App& app);
 void add_attitude(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_convert(CLI::App& app);
 void add_decode(CLI::App& app);
 void add_experiment(CLI::App& app);
 void add_faults(CLI::App& app);

@@ -6,9 +6,9 @@
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/curve_store.hpp"
-#include "host_sim/event_file.hpp"
+#include "host_sim/recording/event_file.hpp"
 #include "host_sim/spec.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/writers.hpp"
 
 namespace fairlead::sim {
 namespace {

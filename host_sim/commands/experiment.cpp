@@ -7,7 +7,7 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/experiments/plot.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/writers.hpp"
 
 namespace fairlead::sim {
 namespace {

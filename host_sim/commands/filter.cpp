@@ -9,7 +9,8 @@
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/filter_chain.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/writers.hpp"
+#include "host_sim/refused.hpp"
 
 namespace fairlead::sim {
 namespace {
@@ -44,6 +45,7 @@ void run(const Options& options) {
         if (const auto n = intake.faults()[kind])
             std::printf("%-24s %llu\n", to_string(kind), static_cast<unsigned long long>(n));
     }
+    options.input.judge_refused(refused_records(recording), recording.size());
 }
 
 }  // namespace
@@ -53,6 +55,7 @@ void add_filter(CLI::App& app) {
         "filter", "Filter a recording, of an IMU its orientation, and nothing else");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
+    options->input.add_strict_to(*command);
     add_mode(*command, options->mode);
     command->add_option("--filter", options->filter, "Filters, see below")->required();
     command->add_option("--out", options->out, "Pose CSV to write")->required();

@@ -7,7 +7,8 @@
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/curve_store.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/evidence.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 namespace {
@@ -18,13 +19,19 @@ std::size_t count_flag(const std::vector<Pose>& poses, std::uint32_t mask) {
     return n;
 }
 
+/// a - b in seconds, for any two times.
+double apart_s(std::int64_t a, std::int64_t b) {
+    return (static_cast<double>(a / 1000000000) - static_cast<double>(b / 1000000000)) +
+           static_cast<double>(a % 1000000000 - b % 1000000000) * 1e-9;
+}
+
 void print_times(const Recording& recording) {
     const std::size_t n = recording.size();
-    const double seconds = static_cast<double>(recording.t_ns(n - 1) - recording.t_ns(0)) * 1e-9;
+    const double seconds = apart_s(recording.t_ns(n - 1), recording.t_ns(0));
     std::size_t gaps = 0, backward = 0;
     double longest_s = 0;
     for (std::size_t i = 1; i < n; ++i) {
-        const double step_s = static_cast<double>(recording.t_ns(i) - recording.t_ns(i - 1)) * 1e-9;
+        const double step_s = apart_s(recording.t_ns(i), recording.t_ns(i - 1));
         if (step_s <= 0) ++backward;
         if (step_s > 1.5 * recording.period_s) ++gaps;
         if (step_s > longest_s) longest_s = step_s;
@@ -36,6 +43,40 @@ void print_times(const Recording& recording) {
     std::printf("longest step     %.3f ms\n", longest_s * 1e3);
     std::printf("missing records  %zu place%s in time, %zu backward or repeated\n", gaps,
                 gaps == 1 ? "" : "s", backward);
+}
+
+/// What the sensors of an IMU hold, and the size of what they read.
+void print_sensors(const Recording& recording) {
+    struct Sensor {
+        const char* name;
+        std::uint32_t valid;
+        Vec3 Sample::*values;
+        const char* unit;
+    };
+    constexpr Sensor sensors[] = {{"gyroscope", flag::gyro_valid, &Sample::gyro_rad_s, "rad/s"},
+                                  {"accelerometer", flag::accel_valid, &Sample::accel_m_s2, "m/s2"},
+                                  {"magnetometer", flag::mag_valid, &Sample::mag_uT, "uT"}};
+    std::printf("holds            IMU samples\n");
+    for (const Sensor& sensor : sensors) {
+        Numbers x, y, z;
+        for (const Sample& s : recording.samples) {
+            if ((s.flags & sensor.valid) == 0) continue;
+            const Vec3& v = s.*sensor.values;
+            x.push_back(static_cast<double>(v.x));
+            y.push_back(static_cast<double>(v.y));
+            z.push_back(static_cast<double>(v.z));
+        }
+        if (x.empty())
+            std::printf("%-16s none\n", sensor.name);
+        else
+            std::printf("%-16s in %zu records, median length %.4g %s\n", sensor.name, x.size(),
+                        median_length(x, y, z), sensor.unit);
+    }
+    std::size_t warm = 0;
+    for (const Sample& s : recording.samples)
+        warm += (s.flags & flag::temperature_valid) != 0 ? 1 : 0;
+    if (warm > 0) std::printf("temperature      in %zu records\n", warm);
+    if (!recording.events.empty()) std::printf("events           %zu\n", recording.events.size());
 }
 
 template <class List>
@@ -80,11 +121,15 @@ bool is_stream(const std::string& path) {
 
 void run(const InputOptions& input) {
     if (is_stream(input.path)) return print_stream(input);
-    const Recording recording = input.read();
+    const Recording recording = input.read(InputOptions::Doubts::elsewhere);
     std::printf("name             %s\n", recording.name.c_str());
-    std::printf("format           %s\n", to_string(recording.format));
+    std::printf("format           %s%s\n", to_string(recording.format),
+                recording.format != Format::imu ? ""
+                : recording.version2            ? ", version 2"
+                                                : ", version 1");
+    if (!recording.columns.empty()) std::printf("columns          %s\n", recording.columns.c_str());
     print_times(recording);
-    if (!recording.samples.empty()) std::printf("holds            IMU samples\n");
+    if (!recording.samples.empty()) print_sensors(recording);
     const auto& poses = recording.samples.empty() ? recording.poses : recording.truth;
     if (!poses.empty()) {
         std::printf("%-16s position in %zu, orientation in %zu, both in %zu\n",
@@ -98,6 +143,8 @@ void run(const InputOptions& input) {
         for (const auto m : recording.moving) moving += m;
         std::printf("movement phase   %zu records\n", moving);
     }
+    for (const std::string& doubt : doubts(recording))
+        std::printf("doubtful         %s\n", doubt.c_str());
 }
 
 }  // namespace

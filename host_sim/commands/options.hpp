@@ -5,45 +5,14 @@
 #include <optional>
 #include <string>
 
-#include "host_sim/event_file.hpp"
+#include "host_sim/recording/event_file.hpp"
+#include "host_sim/recording/plausible.hpp"
+#include "host_sim/recording/recording.hpp"
+#include "host_sim/recording/writers.hpp"
 #include "host_sim/replay.hpp"
 #include "host_sim/spec.hpp"
-#include "host_sim/stream.hpp"
-#include "host_sim/writers.hpp"
 
 namespace fairlead::sim {
-
-/// IN and --salvage, --events.
-struct InputOptions {
-    std::string path, events;
-    bool salvage{false};
-
-    void add_to(CLI::App& command, const std::string& name = "IN") {
-        command.add_option(name, path, "Recording: .imu, .trk, EuRoC IMU CSV, pose CSV or TUM")
-            ->required()
-            ->check(CLI::ExistingFile);
-        command.add_flag("--salvage", salvage,
-                         "Use the complete records before the damage of a bad file");
-    }
-
-    void add_events_to(CLI::App& command) {
-        command
-            .add_option("--events", events,
-                        "CSV of discrete events beside the recording: t_ns,channel,value")
-            ->check(CLI::ExistingFile);
-    }
-
-    Recording read() const {
-        Recording recording = read_recording(path, salvage ? Salvage::yes : Salvage::no);
-        if (!recording.damage.empty())
-            std::fprintf(stderr, "fairlead-sim: %s; %zu records before it are used\n",
-                         recording.damage.c_str(), recording.size());
-        if (!recording.note.empty())
-            std::fprintf(stderr, "fairlead-sim: %s: %s\n", path.c_str(), recording.note.c_str());
-        recording.events = read_events(events);
-        return recording;
-    }
-};
 
 /// Like CLI::Range, but NaN is outside.
 inline CLI::Validator in_range(double low, double high) {
@@ -56,6 +25,89 @@ inline CLI::Validator in_range(double low, double high) {
     };
     return CLI::Validator(check, "NUMBER");
 }
+
+/// IN, and what a user can say about it: --columns, --units and their like; --events.
+struct InputOptions {
+    std::string path, events;
+    bool salvage{false}, strict{false};
+    ReadOptions reading;
+
+    void add_to(CLI::App& command, const std::string& name = "IN") {
+        command
+            .add_option(name, path,
+                        "Recording: .imu, .trk, or text: CSV with a header, EuRoC, TUM, KITTI")
+            ->required()
+            ->check(CLI::ExistingFile);
+        command.add_flag("--salvage", salvage,
+                         "Use the complete records before the damage of a bad file");
+        command.add_option("--columns", reading.columns,
+                           "Of text: what the columns are, for example t_ns,gx,gy,gz,ax,ay,az; - "
+                           "for one that is not used");
+        command.add_option(
+            "--units", reading.units,
+            "Of text: units of columns, for example t=us,gyro=deg/s,accel=g,mag=gauss");
+        command.add_option("--sensors", reading.sensors,
+                           "Of .imu version 1: the sensors that exist, for example gyro,accel");
+        command.add_option("--rate", reading.rate_hz, "Of records without times: records a second")
+            ->check(in_range(0.01, 1e6));
+        command
+            .add_option("--times", reading.times,
+                        "Of records without times: a file with one time a line")
+            ->check(CLI::ExistingFile);
+        command
+            .add_option("--with", reading.with,
+                        "Files of the other sensors of the same device, merged by time")
+            ->check(CLI::ExistingFile);
+    }
+
+    /// --strict: of commands whose intake judges the records.
+    void add_strict_to(CLI::App& command) {
+        command.add_flag("--strict", strict,
+                         "Exit with 1 where more than 1 % of the records are refused");
+    }
+
+    void add_events_to(CLI::App& command) {
+        command
+            .add_option("--events", events,
+                        "CSV of discrete events beside the recording: t_ns,channel,value")
+            ->check(CLI::ExistingFile);
+    }
+
+    ReadOptions read_options() const {
+        ReadOptions options = reading;
+        options.salvage = salvage ? Salvage::yes : Salvage::no;
+        return options;
+    }
+
+    /// The recording; what the reader took, and what is odd, on stderr.
+    enum class Doubts { to_stderr, elsewhere };
+    Recording read(Doubts place = Doubts::to_stderr) const {
+        Recording recording = read_recording(path, read_options());
+        if (!recording.damage.empty())
+            std::fprintf(stderr, "fairlead-sim: %s; %zu records before it are used\n",
+                         recording.damage.c_str(), recording.size());
+        for (const std::string& note : recording.notes)
+            std::fprintf(stderr, "fairlead-sim: %s: note: %s\n", path.c_str(), note.c_str());
+        const auto odd =
+            place == Doubts::to_stderr ? doubts(recording) : std::vector<std::string>{};
+        for (const std::string& doubt : odd)
+            std::fprintf(stderr, "fairlead-sim: %s: doubtful: %s\n", path.c_str(), doubt.c_str());
+        if (!events.empty()) recording.events = read_events(events);
+        return recording;
+    }
+
+    /// The last line of a run that refused more than 1 % of the records; --strict: exit code 1.
+    void judge_refused(std::size_t refused, std::size_t records) const {
+        if (100 * refused <= records) return;
+        char text[160];
+        std::snprintf(text, sizeof text, "%zu of %zu records (%.1f %%) were refused by the intake",
+                      refused, records,
+                      100 * static_cast<double>(refused) / static_cast<double>(records));
+        if (strict) throw BadData(path + ": " + text);
+        std::fflush(stdout);
+        std::fprintf(stderr, "fairlead-sim: %s: %s\n", path.c_str(), text);
+    }
+};
 
 /// What the reducer and its frames are given. Without defaults the tolerances start at 0: not
 /// given.

@@ -4,6 +4,7 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
+#include "host_sim/refused.hpp"
 #include "host_sim/replay.hpp"
 #include "host_sim/summary.hpp"
 
@@ -39,6 +40,7 @@ void run(Options& options) {
     if (!options.trace.empty()) write_bytes(options.trace, trace_csv(recording, result));
     std::fputs((options.json ? summary_json(result) : summary_table(result)).c_str(), stdout);
     check_guarantee(result);
+    options.input.judge_refused(refused_records(recording), recording.size());
 }
 
 }  // namespace
@@ -48,6 +50,7 @@ void add_reduce(CLI::App& app) {
         app.add_subcommand("reduce", "Reduce a recording to a stream of few knots, unfiltered");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
+    options->input.add_strict_to(*command);
     options->input.add_events_to(*command);
     add_mode(*command, options->replay.mode);
     add_reduction(*command, options->replay, true);

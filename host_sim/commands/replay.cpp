@@ -8,9 +8,10 @@
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/filter_chain.hpp"
+#include "host_sim/recording/writers.hpp"
+#include "host_sim/refused.hpp"
 #include "host_sim/report/report.hpp"
 #include "host_sim/summary.hpp"
-#include "host_sim/writers.hpp"
 
 namespace fairlead::sim {
 namespace {
@@ -34,10 +35,12 @@ void write_results(const Replay& result, const std::string& folder) {
 }
 
 void run(const Options& options) {
-    const Replay result = replay(options.input.read(), options.replay);
+    const Recording recording = options.input.read();
+    const Replay result = replay(recording, options.replay);
     std::fputs(summary_table(result).c_str(), stdout);
     if (!options.out.empty()) write_results(result, options.out);
     check_guarantee(result);
+    options.input.judge_refused(refused_records(recording), recording.size());
 }
 
 }  // namespace
@@ -48,6 +51,7 @@ void add_replay(CLI::App& app) {
                                        "attitude of an IMU, filter, reduce, codec");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
+    options->input.add_strict_to(*command);
     options->input.add_events_to(*command);
     command->add_option("--filter", options->replay.filter, "Filters, see below; default: none");
     add_mode(*command, options->replay.mode);

@@ -6,7 +6,7 @@
 
 #include "fairlead/base/types.hpp"
 #include "host_sim/experiments/candidates.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -2,14 +2,14 @@
 // ICM-42688-P: banks, soft reset, both sensors, data-ready, the 2 KiB FIFO of 16-byte packets with
 // watermark and overrun, time stamps, self test. Not modelled: low-power modes, APEX,
 // high-resolution packets, frame sync, SPI.
-#include "host_sim/models/sensor_model.hpp"
+#include "host_sim/models/chip_model.hpp"
 
 namespace fairlead::sim {
 
-class Icm42688Model final : public SensorModel {
+class Icm42688Model final : public ChipModel {
   public:
     explicit Icm42688Model(Motion motion, std::uint8_t address = 0x68, std::uint8_t id = 0x47)
-        : SensorModel{address, std::move(motion)}, id_{id} {
+        : ChipModel{address, std::move(motion)}, id_{id} {
         reset();
         start_up_ns = 1000000;
     }

@@ -3,15 +3,15 @@
 // 7-byte tagged words with 10- or 9-bit count, watermark, latched overrun, time stamps, trim, self
 // test. Reset while INT1 is asserted, it leaves I2C. The pages of the sensor hub and of the
 // embedded functions only remember. Not modelled: I3C, per-sensor rates that differ, power modes.
-#include "host_sim/models/sensor_model.hpp"
+#include "host_sim/models/chip_model.hpp"
 
 namespace fairlead::sim {
 
-class Lsm6Model final : public SensorModel {
+class Lsm6Model final : public ChipModel {
   public:
     enum class Kind { dso, dsv };
     Lsm6Model(Kind kind, Motion motion, std::uint8_t address = 0x6A)
-        : SensorModel{address, std::move(motion)}, kind_{kind} {
+        : ChipModel{address, std::move(motion)}, kind_{kind} {
         reset();
     }
     bool defective{false};  // the self test finds nothing moving

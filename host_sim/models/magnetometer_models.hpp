@@ -1,14 +1,14 @@
 #pragma once
 // LIS3MDL and AK09916, and the little of an ICM-20948 that stands before the latter: the bypass.
-#include "host_sim/models/sensor_model.hpp"
+#include "host_sim/models/chip_model.hpp"
 
 namespace fairlead::sim {
 
 /// Not modelled: single conversion, the interrupt thresholds, SPI.
-class Lis3mdlModel final : public SensorModel {
+class Lis3mdlModel final : public ChipModel {
   public:
     explicit Lis3mdlModel(Motion motion, std::uint8_t address = 0x1C)
-        : SensorModel{address, std::move(motion)} {
+        : ChipModel{address, std::move(motion)} {
         reset();
     }
     bool defective{false};
@@ -35,11 +35,11 @@ class Lis3mdlModel final : public SensorModel {
 };
 
 /// Not modelled: SPI, the daisy chain. `gate`: whether anything connects it to the bus.
-class Ak09916Model final : public SensorModel {
+class Ak09916Model final : public ChipModel {
   public:
     explicit Ak09916Model(
         Motion motion, std::function<bool()> gate = [] { return true; })
-        : SensorModel{0x0C, std::move(motion)}, gate_{std::move(gate)} {
+        : ChipModel{0x0C, std::move(motion)}, gate_{std::move(gate)} {
         reset();
     }
     bool present() const override { return gate_(); }
@@ -64,10 +64,10 @@ class Ak09916Model final : public SensorModel {
 };
 
 /// Identity, banks, power, bypass: what a driver passes on its way to the magnetometer.
-class Icm20948Gate final : public SensorModel {
+class Icm20948Gate final : public ChipModel {
   public:
     explicit Icm20948Gate(std::uint8_t address = 0x68)
-        : SensorModel{address, [](std::int64_t) { return Truth{}; }} {
+        : ChipModel{address, [](std::int64_t) { return Truth{}; }} {
         reset();
     }
     bool bypass() const {

@@ -3,14 +3,14 @@
 // marks (overflow drops the oldest bytes), auxiliary-bus bypass, self test. A reset takes as long
 // as a start; meanwhile its bit stands and writes are lost. Not modelled: DMP, the I2C master,
 // low-power cycling, wake-on-motion.
-#include "host_sim/models/sensor_model.hpp"
+#include "host_sim/models/chip_model.hpp"
 
 namespace fairlead::sim {
 
-class Mpu6xxxModel final : public SensorModel {
+class Mpu6xxxModel final : public ChipModel {
   public:
     explicit Mpu6xxxModel(Motion motion, std::uint8_t id = 0x68, std::uint8_t address = 0x68)
-        : SensorModel{address, std::move(motion)}, id_{id} {
+        : ChipModel{address, std::move(motion)}, id_{id} {
         reset();
         start_up_ns = 11000000;  // typical; at most 100 ms
     }

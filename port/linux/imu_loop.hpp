@@ -25,6 +25,7 @@ struct ImuSetup {
     std::string sensor{"lsm6dso"};
     std::string mag;        // none
     int address{-1};        // the part's own
+    int mag_address{-1};    // the magnetometer's own
     unsigned watermark{8};  // samples per interrupt, at most 32; 0: each one, no FIFO
     bool accept_unknown{};
 };

@@ -6,10 +6,16 @@
 
 namespace fairlead::port {
 
-ModbusReply::~ModbusReply() { modbus_free(context_); }
+ModbusReply::~ModbusReply() { release(); }
+
+void ModbusReply::release() noexcept {
+    if (context_ != nullptr) modbus_close(context_);  // modbus_free() leaves the descriptor open
+    modbus_free(context_);
+    context_ = nullptr;
+}
 
 bool ModbusReply::adopt(_modbus* context) noexcept {
-    modbus_free(context_);
+    release();
     context_ = context;
     // libmodbus sleeps for this long before some exceptions: never
     return context_ != nullptr && modbus_set_response_timeout(context_, 0, 1) == 0;

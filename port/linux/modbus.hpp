@@ -61,7 +61,7 @@ class ModbusReply {
     ModbusReply(const ModbusReply&) = delete;
     ModbusReply& operator=(const ModbusReply&) = delete;
 
-    /// Takes over a libmodbus context; null (out of memory) is refused.
+    /// Takes over a libmodbus context and the descriptor in it; null (out of memory) is refused.
     bool adopt(_modbus* context) noexcept;
     _modbus* context() const noexcept { return context_; }
 
@@ -73,6 +73,8 @@ class ModbusReply {
     bool refuse(const std::uint8_t* adu, std::uint8_t exception, int sent_size) noexcept;
 
   private:
+    void release() noexcept;
+
     _modbus* context_{};
 };
 

@@ -5,6 +5,7 @@
 // over Serial Line V1.02 (2.5.1). Pure functions, no I/O; bound: one pass over at most 260 bytes.
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 
 namespace fairlead::port::modbus {
 
@@ -77,6 +78,67 @@ constexpr bool crc_matches(const std::uint8_t* adu, std::size_t size) noexcept {
     if (size < 4) return false;
     const std::uint16_t crc = crc16(adu, size - 2);
     return adu[size - 2] == (crc & 0xFF) && adu[size - 1] == crc >> 8;
+}
+
+/// The sizes that a frame of a serial line can have, by its first bytes. 0: not known, either for
+/// ever or until more bytes are there (`open`).
+struct RtuSizes {
+    std::size_t request{};
+    std::size_t response{};
+    bool open{};  // further bytes will tell more
+};
+
+/// Functions of MODBUS Application Protocol V1.1b3, sections 6.1 to 6.18. Others have no known
+/// size.
+constexpr RtuSizes rtu_sizes(const std::uint8_t* bytes, std::size_t size) noexcept {
+    if (size < 2) return {0, 0, true};
+    const auto counted = [&](std::size_t at, std::size_t around) -> std::size_t {
+        return size > at ? around + bytes[at] : 0;
+    };
+    if (bytes[1] >= 0x80) return {0, 5, false};
+    switch (bytes[1]) {
+        case 0x01:
+        case 0x02:
+        case 0x03:
+        case 0x04: return {8, counted(2, 5), size < 3};
+        case 0x05:
+        case 0x06:
+        case 0x08: return {8, 8, false};
+        case 0x07: return {4, 5, false};
+        case 0x0B: return {4, 8, false};
+        case 0x0C:
+        case 0x11: return {4, counted(2, 5), size < 3};
+        case 0x0F:
+        case 0x10: return {counted(6, 9), 8, size < 7};
+        case 0x14:
+        case 0x15: return {counted(2, 5), counted(2, 5), size < 3};
+        case 0x16: return {10, 10, false};
+        case 0x17: return {counted(10, 13), counted(2, 5), size < 11};
+        case 0x18: return {6, size > 3 ? 6u + word_at(bytes + 2) : 0u, size < 4};
+        default: return {};
+    }
+}
+
+struct RtuFrame {
+    Framing state{Framing::incomplete};
+    std::size_t size{};      // of the whole frame, when complete
+    bool is_request{false};  // ... and it has a request's size
+};
+
+/// Looks for one frame at the start of the bytes: complete where the CRC is right at a size that
+/// its function can have, broken where no further byte can make it so. Call for every byte that is
+/// added, since a frame ends as soon as it is complete.
+constexpr RtuFrame find_rtu_frame(const std::uint8_t* bytes, std::size_t size) noexcept {
+    const RtuSizes sizes = rtu_sizes(bytes, size);
+    bool open = sizes.open;
+    for (const std::size_t wanted : {sizes.request, sizes.response}) {
+        if (wanted == 0 || wanted > rtu_adu_max) continue;
+        if (size < wanted)
+            open = true;
+        else if (crc_matches(bytes, wanted))
+            return {Framing::complete, wanted, wanted == sizes.request};
+    }
+    return {open ? Framing::incomplete : Framing::broken, 0, false};
 }
 
 }  // namespace fairlead::port::modbus

@@ -21,7 +21,7 @@ bool is_ipv4(const HostAddress& a) noexcept {
 
 std::optional<HostAddress> parse_host(std::string_view text) noexcept {
     std::array<char, INET6_ADDRSTRLEN> copy{};
-    if (text.size() >= copy.size()) return std::nullopt;
+    if (text.size() >= copy.size() || text.find(char{}) != text.npos) return std::nullopt;
     std::memcpy(copy.data(), text.data(), text.size());
     HostAddress host = mapped_ipv4;
     if (inet_pton(AF_INET, copy.data(), &host[12]) == 1) return host;
@@ -94,6 +94,14 @@ HostAddress host_of(const sockaddr_storage& from) noexcept {
         std::memcpy(host.data(), &v6.sin6_addr, 16);
     }
     return host;
+}
+
+std::string to_text(const Endpoint& endpoint) {
+    char text[INET6_ADDRSTRLEN] = {};
+    const bool v4 = is_ipv4(endpoint.address);
+    inet_ntop(v4 ? AF_INET : AF_INET6, endpoint.address.data() + (v4 ? 12 : 0), text, sizeof text);
+    const std::string host{text};
+    return (v4 ? host : "[" + host + "]") + ":" + std::to_string(endpoint.port);
 }
 
 Result<int> listen_on(const Endpoint& where, int* errno_out) noexcept {

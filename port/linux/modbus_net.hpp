@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "fairlead/base/status.hpp"
@@ -39,6 +40,9 @@ inline bool operator==(const Endpoint& a, const Endpoint& b) noexcept {
 
 /// "127.0.0.1:1502", "[::1]:1502"; empty when it is not a numeric address with a port.
 std::optional<Endpoint> parse_endpoint(std::string_view text) noexcept;
+
+/// As parse_endpoint() reads it. Allocates.
+std::string to_text(const Endpoint& endpoint);
 
 HostAddress host_of(const sockaddr_storage& from) noexcept;
 

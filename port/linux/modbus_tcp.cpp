@@ -30,7 +30,7 @@ ModbusTcpServer::~ModbusTcpServer() {
     for (Client& client : slots_) {
         if (client.fd >= 0) close(client.fd);
     }
-    for (std::size_t i = 0; i < listeners_used_; ++i) close(listeners_[i]);
+    for (std::size_t i = 0; i < listeners_used_; ++i) close(listeners_[i].fd);
 }
 
 Status ModbusTcpServer::open(const ModbusTcpLimits& limits) noexcept {
@@ -50,8 +50,92 @@ Result<std::uint16_t> ModbusTcpServer::listen(const Endpoint& where, int* errno_
     if (listeners_used_ == listeners_max) return Status::overrun;
     const auto fd = listen_on(where, errno_out);
     if (!fd) return fd.status();
-    listeners_[listeners_used_++] = *fd;
+    listeners_[listeners_used_++] = {*fd, where};
     return bound_port(*fd);
+}
+
+std::uint16_t ModbusTcpServer::port(std::size_t listener) const noexcept {
+    return listener < listeners_used_ ? bound_port(listeners_[listener].fd) : 0;
+}
+
+/// The listener for `where`: one that is there already, or a new one. An old one on the same port
+/// that is about to go makes room, and comes back when even that does not help.
+ModbusTcpServer::Listener ModbusTcpServer::take_listener(const Endpoint& where,
+                                                         const ModbusTcpSettings& wanted,
+                                                         int* errno_out) noexcept {
+    for (std::size_t i = 0; i < listeners_used_; ++i)
+        if (listeners_[i].where == where && listeners_[i].fd >= 0) return {listeners_[i].fd, where};
+    auto fd = listen_on(where, errno_out);
+    if (fd) return {*fd, where};
+    if (*errno_out != EADDRINUSE) return {};
+    for (std::size_t i = 0; i < listeners_used_; ++i) {
+        Listener& old = listeners_[i];
+        const bool stays = std::any_of(wanted.endpoints, wanted.endpoints + wanted.endpoints_used,
+                                       [&](const Endpoint& e) { return e == old.where; });
+        if (stays || old.fd < 0 || old.where.port != where.port) continue;
+        close(old.fd);
+        old.fd = -1;
+        fd = listen_on(where, errno_out);
+        if (fd) return {*fd, where};
+        int ignored = 0;
+        const auto again = listen_on(old.where, &ignored);
+        old.fd = again ? *again : -1;
+        return {};
+    }
+    return {};
+}
+
+Status ModbusTcpServer::change(const ModbusTcpSettings& wanted, int* errno_out,
+                               std::size_t* failed) noexcept {
+    if (wanted.limits.clients == 0 || wanted.limits.clients > slots_max)
+        return Status::bad_argument;
+    if (wanted.networks_used > networks_max || wanted.endpoints_used > listeners_max)
+        return Status::overrun;
+    std::array<Listener, listeners_max> next{};
+    const auto is_old = [&](int fd) {
+        return std::any_of(listeners_.begin(), listeners_.begin() + listeners_used_,
+                           [&](const Listener& l) { return l.fd == fd; });
+    };
+    for (std::size_t i = 0; i < wanted.endpoints_used; ++i) {
+        next[i] = take_listener(wanted.endpoints[i], wanted, errno_out);
+        if (next[i].fd >= 0) continue;
+        *failed = i;
+        for (std::size_t k = 0; k < i; ++k)
+            if (!is_old(next[k].fd)) close(next[k].fd);
+        restore_listeners();
+        return Status::busy;
+    }
+    const auto stays = [&](int fd) {
+        return std::any_of(next.begin(), next.begin() + wanted.endpoints_used,
+                           [&](const Listener& l) { return l.fd == fd; });
+    };
+    for (std::size_t i = 0; i < listeners_used_; ++i)
+        if (listeners_[i].fd >= 0 && !stays(listeners_[i].fd)) close(listeners_[i].fd);
+    listeners_ = next;
+    listeners_used_ = wanted.endpoints_used;
+    std::copy_n(wanted.networks, wanted.networks_used, networks_.begin());
+    networks_used_ = wanted.networks_used;
+    limits_ = wanted.limits;
+    for (Client& client : slots_) {
+        client.poll_index = -1;  // the places of the last prepare() are gone
+        if (client.fd >= 0 && !is_allowed(client.host)) drop(client, counters_.refused_network);
+    }
+    return Status::ok;
+}
+
+/// Listeners that made room for one that could not be had after all.
+void ModbusTcpServer::restore_listeners() noexcept {
+    for (std::size_t i = 0; i < listeners_used_; ++i) {
+        if (listeners_[i].fd >= 0) continue;
+        int ignored = 0;
+        const auto again = listen_on(listeners_[i].where, &ignored);
+        if (again) listeners_[i].fd = *again;
+    }
+}
+
+bool ModbusTcpServer::is_allowed(const HostAddress& host) const noexcept {
+    return std::any_of(networks_.begin(), networks_.begin() + networks_used_,
+                       [&](const Network& n) { return n.contains(host); });
 }
 
 std::int64_t ModbusTcpServer::deadline_of(const Client& client) const noexcept {
@@ -72,7 +156,7 @@ std::size_t ModbusTcpServer::prepare(pollfd* out, std::int64_t now_ns,
     const bool accepting = now_ns >= accept_again_ns_;
     if (!accepting) *wake_ns = std::min(*wake_ns, accept_again_ns_);
     for (std::size_t i = 0; i < listeners_used_; ++i) {
-        out[n++] = {accepting ? listeners_[i] : -1, POLLIN, 0};
+        out[n++] = {accepting ? listeners_[i].fd : -1, POLLIN, 0};
     }
     for (Client& client : slots_) {
         if (client.fd < 0) continue;
@@ -104,7 +188,7 @@ void ModbusTcpServer::serve(const pollfd* polled, std::int64_t now_ns) noexcept 
         if (client.fd >= 0) drop_expired(client, now_ns);
     }
     for (std::size_t i = 0; i < listeners_used_; ++i) {
-        if ((polled[i].revents & POLLIN) != 0) accept_from(listeners_[i], now_ns);
+        if ((polled[i].revents & POLLIN) != 0) accept_from(listeners_[i].fd, now_ns);
     }
 }
 
@@ -132,10 +216,11 @@ void ModbusTcpServer::answer_one(Client& client, std::int64_t now_ns) noexcept {
     }
     const std::uint8_t* adu = client.buffer.data();
     modbus_set_socket(reply_.context(), client.fd);
-    if (!reply_.answer(adu, frame.size, adu + modbus::mbap_size, frame.size - modbus::mbap_size,
-                       adu[modbus::mbap_size - 1], bank_, counters_)) {
-        return drop(client, counters_.closed_slow_reader);
-    }
+    const bool taken =
+        reply_.answer(adu, frame.size, adu + modbus::mbap_size, frame.size - modbus::mbap_size,
+                      adu[modbus::mbap_size - 1], bank_, counters_);
+    modbus_set_socket(reply_.context(), -1);  // the socket stays ours
+    if (!taken) return drop(client, counters_.closed_slow_reader);
     client.used -= frame.size;
     std::memmove(client.buffer.data(), client.buffer.data() + frame.size, client.used);
     client.frame_since_ns = now_ns;
@@ -170,9 +255,7 @@ void ModbusTcpServer::accept_from(int listener, std::int64_t now_ns) noexcept {
 }
 
 bool ModbusTcpServer::admit(int fd, const HostAddress& host, std::int64_t now_ns) noexcept {
-    const bool allowed = std::any_of(networks_.begin(), networks_.begin() + networks_used_,
-                                     [&](const Network& n) { return n.contains(host); });
-    if (!allowed) {
+    if (!is_allowed(host)) {
         ++counters_.refused_network;
         return false;
     }

@@ -23,6 +23,15 @@ struct ModbusTcpLimits {
     std::uint32_t burst{50};                  // requests that may come at once before that
 };
 
+/// Everything that a running server can be told anew. The arrays stay the caller's.
+struct ModbusTcpSettings {
+    ModbusTcpLimits limits{};
+    const Network* networks{};
+    std::size_t networks_used{};
+    const Endpoint* endpoints{};
+    std::size_t endpoints_used{};
+};
+
 class ModbusTcpServer {
   public:
     static constexpr std::size_t slots_max = 128;
@@ -41,6 +50,13 @@ class ModbusTcpServer {
     Status allow(const Network& network) noexcept;
     /// The bound port: the system's choice when where.port is 0. errno_out: why it failed.
     Result<std::uint16_t> listen(const Endpoint& where, int* errno_out) noexcept;
+    /// Other limits, networks and listeners, all of them or none: on failure everything is as it
+    /// was, *failed names the endpoint and *errno_out says why. Listeners that stay are not closed;
+    /// of the clients only those are, whose network is no longer allowed. New limits hold for the
+    /// next connection and the next request.
+    Status change(const ModbusTcpSettings& wanted, int* errno_out, std::size_t* failed) noexcept;
+    /// The port that listener i is bound to, in the order of the settings; 0: there is none.
+    std::uint16_t port(std::size_t listener) const noexcept;
 
     /// Writes what to wait for; lowers *wake_ns to the next deadline. Returns the number written.
     std::size_t prepare(pollfd* out, std::int64_t now_ns, std::int64_t* wake_ns) noexcept;
@@ -62,6 +78,15 @@ class ModbusTcpServer {
         bool greeted{};                 // has sent a complete request
     };
 
+    struct Listener {
+        int fd{-1};
+        Endpoint where{};
+    };
+
+    Listener take_listener(const Endpoint& where, const ModbusTcpSettings& wanted,
+                           int* errno_out) noexcept;
+    void restore_listeners() noexcept;
+    bool is_allowed(const HostAddress& host) const noexcept;
     void accept_from(int listener, std::int64_t now_ns) noexcept;
     bool admit(int fd, const HostAddress& host, std::int64_t now_ns) noexcept;
     void read_from(Client& client, std::int64_t now_ns) noexcept;
@@ -77,7 +102,7 @@ class ModbusTcpServer {
     ModbusTcpLimits limits_{};
     std::array<Network, networks_max> networks_{};
     std::size_t networks_used_{};
-    std::array<int, listeners_max> listeners_{};
+    std::array<Listener, listeners_max> listeners_{};
     std::size_t listeners_used_{};
     std::int64_t accept_again_ns_{};  // out of descriptors: no accepting before this
     std::array<Client, slots_max> slots_{};

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/clock_map.hpp"
 #include "examples/gateway/follower.hpp"
 #include "examples/gateway/reader.hpp"
@@ -19,7 +20,7 @@ namespace {
 
 using port::CurveChannel;
 using port::CurveSpan;
-namespace reg = port::registers;
+namespace reg = register_map;
 
 constexpr std::int64_t period_ns = 2'500'000;
 constexpr float tolerance_m = 0.001f;

@@ -9,17 +9,16 @@
 #include <sstream>
 #include <string>
 
-#define TOML_HEADER_ONLY 1
-#include <toml++/toml.h>
-
 #include "examples/gateway/map_text.hpp"
+#include "examples/gateway/register_map.hpp"
+#include "examples/gateway/toml_parser.hpp"
 #include "examples/gateway/unit_table.hpp"
 #include "port/linux/registers_curve.hpp"
 
 namespace fairlead::gateway {
 namespace {
 
-namespace reg = port::registers;
+namespace reg = register_map;
 using port::CurveChannel;
 using port::CurveSpan;
 

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/chain.hpp"
 #include "examples/gateway/reader.hpp"
 #include "examples/gateway/sensor.hpp"
@@ -15,15 +16,15 @@
 #include "fairlead/math/quat.hpp"
 #include "host_sim/models/icm42688_model.hpp"
 #include "host_sim/models/magnetometer_models.hpp"
-#include "host_sim/stream.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/recording.hpp"
+#include "host_sim/recording/writers.hpp"
 #include "port/linux/clock.hpp"
 
 namespace fairlead::gateway {
 namespace {
 
 using port::CurveChannel;
-namespace reg = port::registers;
+namespace reg = register_map;
 
 /// A swing about all axes, in the sensor's own terms.
 sim::Truth swing(std::int64_t t_ns) {
@@ -40,14 +41,14 @@ sim::Truth swing(std::int64_t t_ns) {
 /// Chip models in real time: transfers answer at once, pauses are slept.
 class LiveBus {
   public:
-    std::vector<sim::SensorModel*> chips;
+    std::vector<sim::ChipModel*> chips;
     bool broken{false};
 
     Status transfer(const port::Transfer* list, std::size_t count) noexcept {
         if (broken) return Status::io_error;
         for (std::size_t i = 0; i < count; ++i) {
             const port::Transfer& t = list[i];
-            sim::SensorModel* const chip = find(t.address);
+            sim::ChipModel* const chip = find(t.address);
             if (chip == nullptr) return Status::no_acknowledge;
             chip->begin_write();
             for (std::size_t k = 0; k < t.out_size; ++k) chip->write(t.out[k]);
@@ -61,7 +62,7 @@ class LiveBus {
     }
 
   private:
-    sim::SensorModel* find(std::uint8_t address) const noexcept {
+    sim::ChipModel* find(std::uint8_t address) const noexcept {
         for (auto* chip : chips) {
             chip->advance(port::now_ns());
             if (chip->address() == address && chip->answers()) return chip;
@@ -72,7 +73,7 @@ class LiveBus {
 
 class LiveEdges {
   public:
-    explicit LiveEdges(sim::SensorModel& chip) : chip_{&chip} {}
+    explicit LiveEdges(sim::ChipModel& chip) : chip_{&chip} {}
     Result<std::int64_t> wait(std::int64_t deadline_ns) noexcept {
         for (;;) {
             chip_->advance(port::now_ns());
@@ -86,7 +87,7 @@ class LiveEdges {
     }
 
   private:
-    sim::SensorModel* chip_;
+    sim::ChipModel* chip_;
 };
 
 /// Keeps what the loop gave, for the comparison.

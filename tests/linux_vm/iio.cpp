@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 #include "port/linux/clock.hpp"
 #include "port/linux/i2c.hpp"
 #include "port/sensors/ak09916.hpp"

@@ -30,7 +30,7 @@ volatile std::sig_atomic_t ended = 0;
 void end(int) { ended = 1; }
 
 struct Chip {
-    std::unique_ptr<sim::SensorModel> model;
+    std::unique_ptr<sim::ChipModel> model;
     std::string name;
     int pull{-1};
     double nack{0}, miss{0};
@@ -39,7 +39,7 @@ struct Chip {
     std::int64_t first_ns{0};
 };
 
-std::unique_ptr<sim::SensorModel> make(const std::string& kind, std::uint8_t address,
+std::unique_ptr<sim::ChipModel> make(const std::string& kind, std::uint8_t address,
                                        const Source& source) {
     using Kind = sim::Lsm6Model::Kind;
     const double dso_ns = 16e9 / 6667;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/models/sensor_model.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/models/chip_model.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead::vm {
 

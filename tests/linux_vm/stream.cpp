@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 #include "port/linux/clock.hpp"
 #include "port/linux/gpio.hpp"
 #include "port/linux/i2c.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 #include "port/sensors/lsm6.hpp"
 #include "tests/linux_vm/chain.hpp"
 #include "tests/linux_vm/source.hpp"

@@ -4,14 +4,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_sim/models/sensor_model.hpp"
+#include "host_sim/models/chip_model.hpp"
 #include "port/sensors/bus.hpp"
 
 namespace fairlead::port::test {
 
 class ModelBus {
   public:
-    std::vector<sim::SensorModel*> chips;
+    std::vector<sim::ChipModel*> chips;
     std::int64_t now_ns{1000000000};
     int transfers{0};
     int fail_at{-1};          // this transfer fails, counted from 0; negative: none
@@ -33,7 +33,7 @@ class ModelBus {
                 pass(byte_ns);
                 return failure;
             }
-            sim::SensorModel* chip = find(t.address);
+            sim::ChipModel* chip = find(t.address);
             if (chip == nullptr) return Status::no_acknowledge;
             if (t.in_size > longest_read) return Status::bad_argument;
             chip->begin_write();
@@ -60,7 +60,7 @@ class ModelBus {
   private:
     static constexpr std::int64_t byte_ns = 22500;  // nine clocks of 400 kHz
 
-    sim::SensorModel* find(std::uint8_t address) const noexcept {
+    sim::ChipModel* find(std::uint8_t address) const noexcept {
         for (auto* chip : chips)
             if (chip->address() == address && chip->answers()) return chip;
         return nullptr;
@@ -70,7 +70,7 @@ class ModelBus {
 /// Waits for the chip's interrupt line in the same virtual time; can lose edges on purpose.
 class ModelEdges {
   public:
-    ModelEdges(ModelBus& bus, sim::SensorModel& chip) : bus_{&bus}, chip_{&chip} {}
+    ModelEdges(ModelBus& bus, sim::ChipModel& chip) : bus_{&bus}, chip_{&chip} {}
 
     Result<std::int64_t> wait(std::int64_t deadline_ns) noexcept {
         while (chip_->edges.empty()) {
@@ -95,7 +95,7 @@ class ModelEdges {
         }
     }
     ModelBus* bus_;
-    sim::SensorModel* chip_;
+    sim::ChipModel* chip_;
 };
 
 }  // namespace fairlead::port::test

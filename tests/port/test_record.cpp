@@ -1,15 +1,20 @@
 // What fairlead-record leaves on the disk when it is cut at any byte.
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <cstddef>
 #include <cstdio>
+#include <cstring>
 #include <string>
 
 #include "examples/record/writer.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/imu2.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace fairlead {
 namespace {
+
+constexpr std::uint32_t all_fields = sim::imu_field::gyro | sim::imu_field::accel |
+                                     sim::imu_field::mag | sim::imu_field::temperature;
 
 std::vector<Sample> samples(int n) {
     std::vector<Sample> out;
@@ -19,7 +24,14 @@ std::vector<Sample> samples(int n) {
         const auto v = static_cast<float>(i);
         s.gyro_rad_s = {0.1f * v, 1, -2};
         s.accel_m_s2 = {v, 0.5f, 9.8f};
-        s.flags = flag::gyro_valid | flag::accel_valid;
+        s.flags = flag::gyro_valid | flag::accel_valid | flag::temperature_valid;
+        s.temperature_c = 20 + 0.25f * v;
+        if (i % 3 == 0) {  // a slower sensor
+            s.mag_uT = {20, -0.5f * v, -40};
+            s.flags |= flag::mag_valid;
+        }
+        if (i == 5) s.flags |= flag::gap_before;
+        if (i == 6) s.flags |= flag::clipped | flag::accel_clipped;
         out.push_back(s);
     }
     return out;
@@ -35,7 +47,7 @@ class RecordFile : public ::testing::TestWithParam<const char*> {
 TEST_P(RecordFile, HoldsWhatWasAppended) {
     record::Writer writer;
     const auto all = samples(20);
-    ASSERT_TRUE(writer.open(path, "LSM6DSO", 0.0024)) << writer.error();
+    ASSERT_TRUE(writer.open(path, "LSM6DSO", 0.0024, all_fields)) << writer.error();
     ASSERT_TRUE(writer.append({all.begin(), all.begin() + 7}));
     ASSERT_TRUE(writer.append({}));
     ASSERT_TRUE(writer.append({all.begin() + 7, all.end()}));
@@ -43,13 +55,12 @@ TEST_P(RecordFile, HoldsWhatWasAppended) {
     const sim::Recording r = sim::read_recording(path);
     ASSERT_EQ(r.samples.size(), all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
-        const double error_ns = static_cast<double>(r.samples[i].t_ns - r.samples[0].t_ns -
-                                                    (all[i].t_ns - all[0].t_ns));
-        EXPECT_LE(std::abs(error_ns), GetParam() == std::string{".imu"} ? 500.0 : 0.0);
-        EXPECT_EQ(r.samples[i].gyro_rad_s.x, all[i].gyro_rad_s.x);
-        EXPECT_EQ(r.samples[i].accel_m_s2.x, all[i].accel_m_s2.x);
+        const Sample &a = r.samples[i], &b = all[i];
+        EXPECT_EQ(a.t_ns, b.t_ns);
+        EXPECT_EQ(a.flags, b.flags) << i;
+        EXPECT_EQ(std::memcmp(&a, &b, offsetof(Sample, temperature_c) + sizeof(float)), 0) << i;
     }
-    EXPECT_FALSE(writer.open(path, "again", 0.0024)) << "it must not overwrite";
+    EXPECT_FALSE(writer.open(path, "again", 0.0024, all_fields)) << "it must not overwrite";
 }
 
 TEST_P(RecordFile, ACutAtAnyByteKeepsEveryCompleteRecord) {
@@ -57,14 +68,15 @@ TEST_P(RecordFile, ACutAtAnyByteKeepsEveryCompleteRecord) {
     std::string bytes;
     {
         record::Writer writer;  // killed: copied while it is open
-        ASSERT_TRUE(writer.open(path, "LSM6DSO", 0.0024));
+        ASSERT_TRUE(writer.open(path, "LSM6DSO", 0.0024, all_fields));
         ASSERT_TRUE(writer.append(samples(12)));
         bytes = sim::read_bytes(path);
     }
-    const std::size_t header = binary ? 64 : bytes.find('\n') + 1;
+    const std::size_t header = binary ? 128 : bytes.find('\n') + 1;
     for (std::size_t cut = header; cut <= bytes.size(); ++cut) {
+        const std::size_t size = sim::imu2_record_size(all_fields);
         const std::string_view kept{bytes.data(), cut};
-        std::size_t complete = binary ? (cut - 64) / 72 : 0;
+        std::size_t complete = binary ? (cut - 128) / size : 0;
         for (std::size_t i = header; !binary && i < cut; ++i)
             complete += bytes[i] == '\n' ? 1u : 0u;
         std::size_t got = 0;
@@ -83,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, RecordFile, ::testing::Values(".imu", ".csv"))
 
 TEST(Record, RefusesOtherFormats) {
     record::Writer writer;
-    EXPECT_FALSE(writer.open("/tmp/x.txt", "", 0.01));
+    EXPECT_FALSE(writer.open("/tmp/x.txt", "", 0.01, all_fields));
     EXPECT_NE(writer.error().find(".imu or .csv"), std::string::npos);
 }
 

@@ -9,7 +9,7 @@
 
 #include "fairlead/sense/intake.hpp"
 #include "fairlead/smooth/strain.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 #include "tests/ref/strain.hpp"
 
 namespace fairlead::test {

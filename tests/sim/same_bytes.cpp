@@ -4,7 +4,7 @@
 
 #include "fairlead/pipeline.hpp"
 #include "host_sim/generate.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 using namespace fairlead;
 

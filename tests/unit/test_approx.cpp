@@ -79,7 +79,7 @@ TEST(Approx, SinAndCosOfManyTurns) {
     EXPECT_LT(worst, 8e-8);
     EXPECT_TRUE(approx::is_nan(approx::sin(NAN)));
     EXPECT_TRUE(approx::is_nan(approx::cos(INFINITY)));
-    EXPECT_LE(approx::abs(approx::sin(3e38f)), 1.0f);
+    EXPECT_LE(approx::absolute(approx::sin(3e38f)), 1.0f);
 }
 
 TEST(Approx, Atan2AllRound) {

@@ -8,7 +8,7 @@
 #include "host_sim/faults.hpp"
 #include "host_sim/motion.hpp"
 #include "host_sim/spec.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/writers.hpp"
 
 using namespace fairlead;
 using namespace fairlead::sim;
@@ -94,6 +94,33 @@ TEST(Generate, EventsTakeRecordsAndChannelsAway) {
     EXPECT_EQ(longest_ns, 510000000);
 }
 
+TEST(Generate, DropoutsAreShortManyAndWithinTheirTime) {
+    const std::string spec = "model:ideal+rate:100+rest:1+dropouts:position:8:20:0.2+rest:10";
+    const Recording r = generate(spec, 4);
+    ASSERT_EQ(r.size(), 1100u);
+    std::size_t lost = 0, runs = 0, run = 0, longest = 0;
+    for (std::size_t i = 0; i < r.size(); ++i) {
+        EXPECT_NE(r.poses[i].flags & flag::orientation_valid, 0u);
+        const bool there = (r.poses[i].flags & flag::position_valid) != 0;
+        run = there ? 0 : run + 1;
+        runs += run == 1 ? 1u : 0u;
+        lost += there ? 0u : 1u;
+        longest = std::max(longest, run);
+        if (!there) {
+            EXPECT_GE(r.t_ns(i), 1'000'000'000);
+            EXPECT_LT(r.t_ns(i), 9'200'000'000);
+        }
+    }
+    EXPECT_GE(runs, 10u);  // 20, but for those that touch
+    EXPECT_LE(runs, 20u);
+    EXPECT_GE(lost, 100u);  // 20 of 0.1 s in the mean are 200 records
+    EXPECT_LE(lost, 300u);
+    EXPECT_LE(longest, 60u);
+    const Recording other = generate(spec, 5), plain = generate("model:ideal+rate:100+rest:11", 4);
+    EXPECT_NE(to_trk(r), to_trk(other)) << "the times follow the seed";
+    for (std::size_t i = 0; i < r.size(); ++i) EXPECT_EQ(r.t_ns(i), plain.t_ns(i));
+}
+
 TEST(Generate, PressesGoDownAndUpWithinTheirTime) {
     const Recording r = generate("rest:1+press:5:0.5:4+press:2:1+rest:2", 8);
     ASSERT_EQ(r.events.size(), 10u);
@@ -142,10 +169,27 @@ TEST(Generate, ImuAtRestShowsGravityAndClipsAtItsRange) {
 }
 
 TEST(Generate, BadSpecsAreUsageErrors) {
-    for (const char* spec : {"", "reach", "reach:x", "reach:1:0", "reach:1:2.5", "rest:-1",
-                             "rest:nan", "jog:1", "rest:1++rest:1", "model:none+rest:1", "rate:100",
-                             "gap:2+rest:1", "rest:1:2", "model:mpu6050+lose:position:1+rest:1",
-                             "rest:1+lose:left:1", "rest:86400+rate:100000", "jitter:9000+rest:1"})
+    for (const char* spec : {"",
+                             "reach",
+                             "reach:x",
+                             "reach:1:0",
+                             "reach:1:2.5",
+                             "rest:-1",
+                             "rest:nan",
+                             "jog:1",
+                             "rest:1++rest:1",
+                             "model:none+rest:1",
+                             "rate:100",
+                             "gap:2+rest:1",
+                             "rest:1:2",
+                             "model:mpu6050+lose:position:1+rest:1",
+                             "rest:1+lose:left:1",
+                             "dropouts:both:1+rest:1",
+                             "dropouts:both:1:0+rest:1",
+                             "dropouts:left:1:2+rest:1",
+                             "model:lsm6dso+dropouts:both:1:2+rest:1",
+                             "rest:86400+rate:100000",
+                             "jitter:9000+rest:1"})
         EXPECT_THROW(generate(spec, 1), BadSpec) << spec;
 }
 

@@ -431,7 +431,7 @@ TEST(Intake, RandomFaultsNeverGetThrough) {
             ASSERT_TRUE(is_finite(out->p_w_m) && is_finite(out->q_wb));
             ASSERT_EQ((out->flags & flag::position_valid) == 0, bad_p);
             ASSERT_EQ((out->flags & flag::orientation_valid) == 0, bad_q);
-            ASSERT_LE(approx::abs(out->p_w_m.x), 1e4f);
+            ASSERT_LE(approx::absolute(out->p_w_m.x), 1e4f);
             ASSERT_NEAR(dot(out->q_wb, out->q_wb), 1, 1e-6);
             if (run) any_p = any_q = any_out = false;
             const auto gap = [&](bool any, std::int64_t last) {

@@ -2,12 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 
+#include "host_sim/recording/recording.hpp"
+#include "host_sim/recording/writers.hpp"
 #include "host_sim/spec.hpp"
-#include "host_sim/stream.hpp"
-#include "host_sim/writers.hpp"
 
 using namespace fairlead;
 using namespace fairlead::sim;
@@ -50,11 +51,17 @@ Recording imu_recording() {
     return r;
 }
 
+/// Without what pads a type at its end.
+template <class T>
+constexpr std::size_t used = sizeof(T);
+template <>
+constexpr std::size_t used<Sample> = offsetof(Sample, temperature_c) + sizeof(float);
+
 template <class T>
 void expect_same_bits(const std::vector<T>& a, const std::vector<T>& b) {
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i)
-        EXPECT_EQ(std::memcmp(&a[i], &b[i], sizeof(T)), 0) << "record " << i;
+        EXPECT_EQ(std::memcmp(&a[i], &b[i], used<T>), 0) << "record " << i;
 }
 
 std::string message_of(const std::string& bytes) {
@@ -123,8 +130,9 @@ TEST(Recordings, BinaryHeaderIsChecked) {
         patch(bytes, offset, value);
         return message_of(bytes);
     };
-    EXPECT_NE(with(0, 'X').find("byte 0: neither"), std::string::npos);
-    EXPECT_NE(with(4, std::uint32_t{2}).find("byte 4: version 2"), std::string::npos);
+    EXPECT_NE(with(0, 'X').find("byte 0: neither text nor"), std::string::npos);
+    EXPECT_NE(with(4, std::uint32_t{2}).find("byte 4: version 2 of .trk is not known"),
+              std::string::npos);
     EXPECT_NE(with(12, std::uint32_t{72}).find("byte 12: records of 72"), std::string::npos);
     EXPECT_NE(with(16, std::nan("")).find("byte 16"), std::string::npos);
     EXPECT_NE(with(8, std::uint32_t{4}).find("byte 172: record 3 of 4"), std::string::npos);
@@ -136,7 +144,7 @@ TEST(Recordings, ValuesThatAreNoNumbersArePassedOn) {  // Intake meets them, not
     std::string bytes = to_trk(tracker_recording());
     patch(bytes, 64 + 8, nan_f);
     EXPECT_TRUE(std::isnan(parse_recording(bytes, "x").poses[0].p_w_m.x));
-    const Recording text = parse_recording("1,nan,0,0,1,0,0,inf\n", "x");
+    const Recording text = parse_recording("t_ns,px,py,pz,qw,qx,qy,qz\n1,nan,0,0,1,0,0,inf\n", "x");
     EXPECT_TRUE(std::isnan(text.poses[0].p_w_m.x));
     EXPECT_TRUE(std::isinf(text.poses[0].q_wb.z));
 }
@@ -152,11 +160,24 @@ TEST(Recordings, TimeOf32BitsIsUnwrapped) {
         EXPECT_EQ(read.t_ns(i) - read.t_ns(0), r.t_ns(i) - r.t_ns(0));
 }
 
+/// 40 minutes without a record are a pause, not a step back by 31 minutes.
+TEST(Recordings, LongPauseOf32BitsGoesForward) {
+    for (const std::int64_t pause_s : {100, 2000, 2200, 2400, 3600, 4000}) {
+        Recording r = tracker_recording();
+        r.poses[2].t_ns = r.poses[1].t_ns + pause_s * 1000000000;
+        const Recording read = parse_recording(to_trk(r), "x");
+        EXPECT_EQ(read.t_ns(2) - read.t_ns(1), pause_s * 1000000000) << pause_s;
+        r.poses[2].t_ns = r.poses[1].t_ns - 100000000000;  // a step back of some minutes is one
+        const Recording back = parse_recording(to_trk(r), "x");
+        EXPECT_EQ(back.t_ns(2) - back.t_ns(1), -100000000000);
+    }
+}
+
 TEST(Recordings, PosesCsvComesBackBitForBit) {
     const Recording written = tracker_recording();
     const Recording read = parse_recording(to_poses_csv(written.poses), "some/where/file.csv");
     EXPECT_EQ(read.name, "file");
-    EXPECT_EQ(read.format, Format::poses_csv);
+    EXPECT_EQ(read.format, Format::pose_text);
     expect_same_bits(read.poses, written.poses);
 }
 
@@ -167,9 +188,23 @@ TEST(Recordings, EurocImuComesBackBitForBit) {
         s.flags = flag::gyro_valid | flag::accel_valid;
     }
     const Recording read = parse_recording(to_euroc_imu(written.samples), "x");
-    EXPECT_EQ(read.format, Format::euroc_imu);
+    EXPECT_EQ(read.format, Format::imu_text);
     expect_same_bits(read.samples, written.samples);
     EXPECT_DOUBLE_EQ(read.period_s, 0.0035);
+}
+
+TEST(Recordings, ImuTextComesBackBitForBit) {
+    Recording written = imu_recording();
+    const std::uint32_t all = flag::gyro_valid | flag::accel_valid | flag::mag_valid;
+    for (Sample& s : written.samples) s.temperature_c = 31.25f, s.flags |= flag::temperature_valid;
+    written.samples[1].mag_uT = {};
+    written.samples[1].temperature_c = 0;
+    written.samples[1].flags = (all & ~flag::mag_valid) | flag::gap_before;
+    written.samples[2].flags |= flag::clipped | flag::gyro_clipped | flag::mag_clipped;
+    const Recording read = parse_recording(to_imu_csv(written), "x");
+    expect_same_bits(read.samples, written.samples);
+    expect_same_bits(read.truth, written.truth);
+    EXPECT_EQ(read.moving, written.moving);
 }
 
 TEST(Recordings, EurocGroundTruthHasMoreColumns) {
@@ -212,24 +247,23 @@ TEST(Recordings, TumLeavesOutWhatItCannotSay) {
     EXPECT_EQ(read.poses[0].q_wb.y, -0.6f);
 }
 
-TEST(Recordings, TextErrorsNameTheLine) {
+TEST(Recordings, TextErrorsNameTheLineAndTheRemedy) {
     const auto says = [](const std::string& text, const std::string& what) {
         const std::string message = message_of(text);
         EXPECT_NE(message.find(what), std::string::npos) << message;
     };
-    const std::string good = "1,0,0,0,1,0,0,0\n";
-    says(good + "2,0,zero,0,1,0,0,0\n", "line 2: 'zero' is not a number");
-    says("# comment\n\n" + good + "2,0,0,0,1,0,0\n", "line 4: 7 columns, expected 8");
-    says(good + "2.5,0,0,0,1,0,0,0\n", "line 2: '2.5' is not a time in nanoseconds");
-    says(good + "99999999999999999999,0,0,0,1,0,0,0\n", "line 2: ");
-    says(good + "2,0,0,,1,0,0,0\n", "line 2: '' is not a number");
-    says(good + "2,0,0,0.1.2,1,0,0,0\n", "line 2: '0.1.2' is not a number");
-    says("1 2 3\n", "line 1: no known layout has 3 columns");
-    says("1,2,3,4,5,6\n", "line 1: no known layout has 6 columns");
-    says("1,5 0 0 0 0 0 0 1\n", "line 1: ");
-    says("1.0 0 0 0 0 0 0 1\n1.x 0 0 0 0 0 0 1\n", "line 2: '1.x' is not a time");
-    says("--1 0 0 0 0 0 0 1\n", "line 1: '--1' is not a time");
-    says("99999999999 0 0 0 0 0 0 1\n", "line 1: ");
+    const std::string good = "t_ns,px,py,pz,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n";
+    says(good + "2,0,zero,0,1,0,0,0\n", "line 3, column 3 (py): 'zero' is not a number; --salvage");
+    says("# comment\n\n" + good + "2,0,0,0,1,0,0\n", "line 5: 7 columns, expected 8; --salvage");
+    says(good + "x,0,0,0,1,0,0,0\n", "line 3, column 1 (t_ns): 'x' is not a time in ns");
+    says(good + "99999999999999999999,0,0,0,1,0,0,0\n", "line 3, column 1");
+    says(good + "2,0,0,,1,0,0,0\n", "column 4 (pz): '' is not a number");
+    says(good + "2,0,0,0.1.2,1,0,0,0\n", "'0.1.2' is not a number");
+    says("1 2 3\n", "line 1: 3 columns without a header; no known layout fits");
+    says("1,2,3,4,5,6\n", "--columns t_ns,gx,gy,gz");
+    says("1.0 0 0 0 0 0 0 1\n1.x 0 0 0 0 0 0 1\n", "line 2, column 1: '1.x' is not a time in s");
+    says("--1 0 0 0 0 0 0 1\n", "'--1' is not a time");
+    says("99999999999 0 0 0 0 0 0 1\n", "line 1, column 1");
     says("", "holds no records");
     says("# only a comment\n", "holds no records");
     EXPECT_EQ(parse_recording(good + "2,0,zero,0,1,0,0,0\n", "x", Salvage::yes).size(), 1u);
@@ -239,7 +273,7 @@ TEST(Recordings, TextErrorsNameTheLine) {
 TEST(Recordings, TextCutAtEveryByte) {
     for (const std::string& whole :
          {to_poses_csv(tracker_recording().poses), to_tum(tracker_recording().poses),
-          to_euroc_imu(imu_recording().samples)}) {
+          to_euroc_imu(imu_recording().samples), to_imu_csv(imu_recording())}) {
         const Recording full = parse_recording(whole, "x");
         for (std::size_t cut = 0; cut < whole.size(); ++cut) {
             const std::string part = whole.substr(0, cut);
@@ -253,7 +287,7 @@ TEST(Recordings, TextCutAtEveryByte) {
                 ASSERT_EQ(complete, 0u) << cut;
                 continue;
             }
-            ASSERT_TRUE(r.size() == complete || (r.size() == complete + 1 && !r.note.empty()))
+            ASSERT_TRUE(r.size() == complete || (r.size() == complete + 1 && !r.notes.empty()))
                 << cut << ": " << r.size() << " of " << complete;
             for (std::size_t i = 0; i < complete; ++i) ASSERT_EQ(r.t_ns(i), full.t_ns(i));
         }
@@ -263,8 +297,8 @@ TEST(Recordings, TextCutAtEveryByte) {
 TEST(Recordings, FormatIsChosenByContentAndExtension) {
     const Recording tracker = tracker_recording(), imu = imu_recording();
     EXPECT_EQ(parse_recording(to_file(tracker, "a.trk"), "a.csv").format, Format::trk);
-    EXPECT_EQ(parse_recording(to_file(tracker, "a.csv"), "a").format, Format::poses_csv);
-    EXPECT_EQ(parse_recording(to_file(imu, "a.csv"), "a").format, Format::euroc_imu);
+    EXPECT_EQ(parse_recording(to_file(tracker, "a.csv"), "a").format, Format::pose_text);
+    EXPECT_EQ(parse_recording(to_file(imu, "a.csv"), "a").format, Format::imu_text);
     EXPECT_EQ(parse_recording(to_file(imu, "a.imu"), "a").format, Format::imu);
     EXPECT_THROW(to_file(imu, "a.trk"), BadSpec);
     EXPECT_THROW(to_file(tracker, "a.imu"), BadSpec);

@@ -5,7 +5,7 @@
 
 #include "examples/firmware/config.hpp"
 #include "examples/firmware/motion.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 #include "host_sim/timing.hpp"
 
 namespace fairlead::sim {

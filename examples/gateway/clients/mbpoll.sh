@@ -90,6 +90,7 @@ field sensor.bus_errors 170 1 4:int
 field sensor.overruns 172 1 4:int
 field sensor.resets 174 1 4:int
 field sensor.clock_jumps 176 1 4:int
+field server.log_dropped 178 1 4:int
 field events.epoch 256 1 4:int
 field events.first 258 1 4:int
 field events.count 260 1 4

@@ -118,7 +118,7 @@ class GridFinder {
         const std::int64_t off = meter_.period_ns() - period_ns_;
         if ((off < 0 ? -off : off) > period_ns_ / 8) change(meter_.period_ns(), 1 + inside);
         // what comes suits both grids until the new one holds
-        now.spacing_min_ns = std::max(now.spacing_min_ns, limits().spacing_min_ns);
+        now.spacing_min_ns = (std::max)(now.spacing_min_ns, limits().spacing_min_ns);
         return now;
     }
 

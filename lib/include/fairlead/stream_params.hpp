@@ -97,7 +97,7 @@ struct Tolerance<Channels<Vector<D>>> {
 };
 
 /// restart_interval_ns or header_interval_ns for which there is no such interval.
-inline constexpr std::int64_t never_ns = std::numeric_limits<std::int64_t>::max();
+inline constexpr std::int64_t never_ns = (std::numeric_limits<std::int64_t>::max)();
 
 /// DelayMax: what the board has memory for, and the default.
 template <class AChannels, std::size_t DelayMax>

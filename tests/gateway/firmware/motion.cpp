@@ -5,8 +5,8 @@
 
 #include "examples/firmware/config.hpp"
 #include "examples/firmware/motion.hpp"
-#include "host_sim/stream.hpp"
-#include "host_sim/writers.hpp"
+#include "host_sim/recording/recording.hpp"
+#include "host_sim/recording/writers.hpp"
 
 int main(int argc, char** argv) {
     using namespace fairlead;

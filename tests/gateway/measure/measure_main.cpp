@@ -12,6 +12,7 @@
 #include <memory>
 #include <thread>
 
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/unit_table.hpp"
 #include "port/linux/clock.hpp"
 #include "port/linux/modbus_tcp.hpp"
@@ -20,7 +21,7 @@
 namespace fairlead::gateway::measure {
 namespace {
 
-namespace reg = port::registers;
+namespace reg = register_map;
 
 struct Options {
     std::string gateway{"build/fairlead-gateway"};

@@ -41,8 +41,9 @@ Reduced reduced(const std::vector<Records>& streams, const EncoderParams& params
             if (params.position) {
                 const Vec3 e = out.p_w_m - pose.p_w_m;
                 all.kept = all.kept && (out.flags & flag::position_valid) != 0 &&
-                           approx::abs(e.x) <= all.tol_m[0] && approx::abs(e.y) <= all.tol_m[1] &&
-                           approx::abs(e.z) <= all.tol_m[2];
+                           approx::absolute(e.x) <= all.tol_m[0] &&
+                           approx::absolute(e.y) <= all.tol_m[1] &&
+                           approx::absolute(e.z) <= all.tol_m[2];
                 for (const float x : {e.x, e.y, e.z}) all.error.position({x, 0, 0}, {});
             }
             if (params.orientation) {

@@ -35,6 +35,6 @@ struct Subject {
         out[4] = approx::acos(y);
         out[5] = approx::exp(x);
         out[6] = approx::log(y);
-        out[7] = approx::sqrt(approx::abs(x));
+        out[7] = approx::sqrt(approx::absolute(x));
     }
 };

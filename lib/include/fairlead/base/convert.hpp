@@ -4,6 +4,8 @@
 // floating-point unit. Cost: at most 32 turns of the loop.
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 constexpr float to_float(std::int64_t v) noexcept {

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 namespace detail {

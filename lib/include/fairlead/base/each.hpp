@@ -4,6 +4,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "fairlead/base/compiler.hpp"
+
 /// Before a function, or after a lambda's parameters: written out wherever it is called, however
 /// long it is, unless the compiler optimises for size.
 #ifdef __OPTIMIZE_SIZE__
@@ -15,9 +17,9 @@
 namespace fairlead {
 
 namespace detail {
-template <class Body, std::size_t... I>
-[[gnu::always_inline]] constexpr void each(Body&& body, std::index_sequence<I...>) noexcept {
-    (body(std::integral_constant<std::size_t, I>{}), ...);
+template <class Body, std::size_t... Index>
+[[gnu::always_inline]] constexpr void each(Body&& body, std::index_sequence<Index...>) noexcept {
+    (body(std::integral_constant<std::size_t, Index>{}), ...);
 }
 
 /// Does a lambda say what it takes? One with an `auto` does not.

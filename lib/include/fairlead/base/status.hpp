@@ -4,6 +4,8 @@
 //   doubtful data -> a flag in the data (base/types.hpp).
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 enum class [[nodiscard]] Status : std::uint8_t{
@@ -58,6 +60,7 @@ constexpr const char* to_string(Status s) noexcept {
         case Status::closed: return "closed";
         case Status::refused: return "refused";
         case Status::no_valid_data: return "no valid data";
+        default: break;
     }
     return "unknown";
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Every numeric threshold that more than one place must agree on: name, value, what it bounds, and
 // the test that holds it. Tuning that a user may change lives in parameter structs, not here.
+#include "fairlead/base/compiler.hpp"
 
 namespace fairlead::tolerance {
 

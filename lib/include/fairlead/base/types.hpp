@@ -18,6 +18,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 template <class Real>
@@ -62,7 +64,7 @@ inline constexpr Bits vector_gap = position_gap;      // VectorSample: its curve
 }  // namespace flag
 
 /// One reading of an IMU, as the chip said it, in SI units and the body frame.
-struct Sample {
+struct alignas(8) Sample {  // 8: one layout, also where 64-bit integers need only 4
     std::int64_t t_ns{};
     Vec3 gyro_rad_s{};
     Vec3 accel_m_s2{};
@@ -74,7 +76,7 @@ struct Sample {
 
 /// Position and orientation of a body. t_ns is the time at which the pose is TRUE: a centred filter
 /// emits its centre tap's time.
-struct Pose {
+struct alignas(8) Pose {
     std::int64_t t_ns{};
     Vec3 p_w_m{};
     Quat q_wb{};
@@ -90,7 +92,7 @@ struct VectorSample {
 };
 
 /// A change on a discrete channel, such as a button or a trigger: from t_ns on it has this value.
-struct Event {
+struct alignas(8) Event {
     std::int64_t t_ns{};
     std::uint16_t channel{};
     std::uint16_t value{};

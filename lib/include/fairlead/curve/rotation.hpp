@@ -44,7 +44,7 @@ inline GridQuat to_grid(const Quat& q, float step) noexcept {
     const std::array<float, 4> c{q.w, q.x, q.y, q.z};
     std::size_t m = 0;
     for (std::size_t i = 1; i < 4; ++i)
-        if (approx::abs(c[i]) > approx::abs(c[m])) m = i;
+        if (approx::absolute(c[i]) > approx::absolute(c[m])) m = i;
     const float per_step = (c[m] < 0 ? -1.0f : 1.0f) / grid_step(step);
     const float most = static_cast<float>(grid_size(step));
     GridQuat g;

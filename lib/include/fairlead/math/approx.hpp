@@ -11,6 +11,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 template <class Real>
@@ -112,18 +114,27 @@ inline To bit_cast(const From& from) noexcept {
 
 }  // namespace detail
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wfloat-equal"
+/// Exact equality of two floats, where that is what is meant: the only `==` on floats here.
+template <class Real>
+constexpr bool same(Real a, Real b) noexcept {
+    return a == b;
+}
+#pragma GCC diagnostic pop
+
 template <class Real>
 constexpr bool is_nan(Real x) noexcept {
-    return !(x == x);
+    return !same(x, x);
 }
 
 template <class Real>
 constexpr bool is_finite(Real x) noexcept {
-    return x - x == 0;
+    return same(x - x, Real{0});
 }
 
-constexpr float abs(float x) noexcept { return __builtin_fabsf(x); }
-constexpr double abs(double x) noexcept { return __builtin_fabs(x); }
+constexpr float absolute(float x) noexcept { return __builtin_fabsf(x); }
+constexpr double absolute(double x) noexcept { return __builtin_fabs(x); }
 
 inline float sqrt(float x) noexcept { return __builtin_sqrtf(x); }
 inline double sqrt(double x) noexcept { return __builtin_sqrt(x); }
@@ -140,7 +151,7 @@ constexpr SinCos<Real> sin_cos(Real x) noexcept {
     using C = detail::Coefficients<Real>;
     constexpr Real two_over_pi = static_cast<Real>(0.63661977236758134308);
     constexpr Real limit = static_cast<Real>(1 << 20);
-    if (!(abs(x) <= limit)) {
+    if (!(absolute(x) <= limit)) {
         if (!is_finite(x)) return {x - x, x - x};
         x = 0;  // no accuracy is promised out there; a bounded answer is
     }
@@ -173,10 +184,10 @@ template <class Real>
 constexpr Real atan2(Real y, Real x) noexcept {
     using C = detail::Coefficients<Real>;
     if (is_nan(x) || is_nan(y)) return x + y;
-    const Real ax = abs(x), ay = abs(y);
+    const Real ax = absolute(x), ay = absolute(y);
     const bool steep = ay > ax;
     const Real low = steep ? ax : ay, high = steep ? ay : ax;
-    if (high == 0) return 0;
+    if (same(high, Real{0})) return 0;
     // first octant, then |t| <= 1/2 by atan(t) = pi/4 + atan((t - 1) / (t + 1)): from 1/2 on the
     // numerator is exact
     const bool infinite = !is_finite(high);
@@ -216,7 +227,7 @@ inline Real exp(Real x) noexcept {
     constexpr Real log2_e = static_cast<Real>(1.44269504088896340736);
     if (is_nan(x)) return x;
     const Real scaled = x * log2_e;
-    if (scaled > static_cast<Real>(C::exponent_bias)) return std::numeric_limits<Real>::max();
+    if (scaled > static_cast<Real>(C::exponent_bias)) return (std::numeric_limits<Real>::max)();
     if (scaled < static_cast<Real>(1 - C::exponent_bias)) return 0;
     const Real n = detail::nearest(scaled);
     const Real r = (x - n * C::ln2[0]) - n * C::ln2[1];
@@ -238,8 +249,8 @@ inline Real log(Real x) noexcept {
     using C = detail::Coefficients<Real>;
     using Bits = typename C::Bits;
     if (is_nan(x)) return x;
-    if (!(x >= std::numeric_limits<Real>::min())) return std::numeric_limits<Real>::lowest();
-    if (!is_finite(x)) return std::numeric_limits<Real>::max();
+    if (!(x >= (std::numeric_limits<Real>::min)())) return std::numeric_limits<Real>::lowest();
+    if (!is_finite(x)) return (std::numeric_limits<Real>::max)();
     const Bits bits = detail::bit_cast<Bits>(x);
     constexpr Bits mantissa = (Bits{1} << C::mantissa_bits) - 1;
     auto exponent = static_cast<std::int32_t>(bits >> C::mantissa_bits) - C::exponent_bias;

@@ -101,7 +101,7 @@ inline BasicQuat<R> from_rotation_vector(const BasicVec3<R>& r) noexcept {
 template <class R>
 inline R rotation_angle(const BasicQuat<R>& a, const BasicQuat<R>& b) noexcept {
     const BasicQuat<R> d = conj(a) * b;
-    return 2 * approx::atan2(norm(vec(d)), approx::abs(d.w));
+    return 2 * approx::atan2(norm(vec(d)), approx::absolute(d.w));
 }
 
 /// b or -b, whichever lies on a's side: the same rotation, the shorter way on S^3.

@@ -88,7 +88,7 @@ struct VectorChannel {
         /// The exact test, on the value that a decoder will give out.
         bool accepts(const Value& decoded, const Value& sample) const noexcept {
             for (std::size_t d = 0; d < D; ++d)
-                if (!(approx::abs(decoded[d] - sample[d]) <= limit[d])) return false;
+                if (!(approx::absolute(decoded[d] - sample[d]) <= limit[d])) return false;
             return true;
         }
 
@@ -111,14 +111,14 @@ struct VectorChannel {
                                         const Value& v) const noexcept {
             std::array<float, parts> e;
             each<D>([&](std::size_t d) FAIRLEAD_INLINE {
-                e[d] = approx::abs(y[d] - v[d] * per_unit[d]) * per_limit[d];
+                e[d] = approx::absolute(y[d] - v[d] * per_unit[d]) * per_limit[d];
             });
             return e;
         }
         /// The same of one part alone.
         float error(std::size_t part, const std::array<float, 1>& y,
                     const Value& v) const noexcept {
-            return approx::abs(y[0] - v[part] * per_unit[part]) * per_limit[part];
+            return approx::absolute(y[0] - v[part] * per_unit[part]) * per_limit[part];
         }
     };
 };

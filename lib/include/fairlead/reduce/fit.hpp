@@ -92,7 +92,8 @@ class Fit {
                 case Phase::substitute: substitute(problem, plan, credit); break;
                 case Phase::check: check(problem, plan, credit); break;
                 case Phase::check_part: check_part(problem, plan, credit); break;
-                case Phase::done: break;
+                case Phase::done:
+                default: break;
             }
         }
     }

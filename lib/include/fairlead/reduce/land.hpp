@@ -115,7 +115,7 @@ struct Landing {
         for (std::size_t a = 0; a < n; ++a) {
             std::size_t pivot = a;
             for (std::size_t b = a + 1; b < n; ++b)
-                if (approx::abs(m[b][a]) > approx::abs(m[pivot][a])) pivot = b;
+                if (approx::absolute(m[b][a]) > approx::absolute(m[pivot][a])) pivot = b;
             const auto row = m[a];
             m[a] = m[pivot];
             m[pivot] = row;

@@ -45,7 +45,7 @@ class LinearModel {
         for (std::size_t d = 0; d < size; ++d) {
             const float e = y[d] - guess[d];
             square += e * e;
-            const float w = 1 / (0.3f + approx::abs(e));
+            const float w = 1 / (0.3f + approx::absolute(e));
             for (std::size_t i = 0; i < lags; ++i) {
                 const float wf = w * f[i * size + d];
                 for (std::size_t j = 0; j <= i; ++j) a_[packed(i, j)] += wf * f[j * size + d];

@@ -75,6 +75,7 @@ class Reducer {
 
     struct Counters {
         std::uint32_t samples{0}, knots{0}, curves{0}, breaks{0}, refused{0};
+        std::uint32_t unserved{0};  // samples that not even a constant represents within tolerance
     };
 
     Reducer() = default;
@@ -329,6 +330,7 @@ class Reducer {
     std::uint16_t pending_record_{0};  // of the oldest sample that out_ covers
     bool any_{false};
     bool active_{false};
+    bool unserved_{false};  // the oldest sample: it is taken by its break all the same
 };
 
 }  // namespace fairlead

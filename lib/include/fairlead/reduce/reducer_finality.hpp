@@ -65,9 +65,13 @@ void Reducer<Channel, N>::emit_start(const Polynomial<D, Order>& start, float re
     const Polynomial<D, Order> constant = frozen_;
     out_.coarse = static_cast<std::uint8_t>(reach > 1 ? floor_log2(reach) + 1 : 0);
     round_start(start);
-    if (!accepted(samples_[0])) {  // a constant through the sample always serves
+    if (!accepted(samples_[0])) {
         out_.coarse = 0;
         round_start(constant);
+        // beyond the range of the coefficients, or with arithmetic other than IEEE 754, even a
+        // constant through the sample misses it: the break takes it, so that the window drains
+        unserved_ = !accepted(samples_[0]);
+        if (unserved_) ++counters_.unserved;
     }
     active_ = true;
     samples_[0].starts_curve = false;
@@ -111,13 +115,14 @@ bool Reducer<Channel, N>::cover(std::uint32_t goal) noexcept {
     const bool rests = resting();
     std::size_t k = 0;
     while (k < own_ && k < cover_max && (plan.size == 0 || before_knot(k)) &&
-           accepted(samples_[k])) {
+           ((k == 0 && unserved_) || accepted(samples_[k]))) {
         ++k;
         // only what is needed is made final: a later start of the next knot is open
         if (!rests && since(samples_[k - 1].record) <= goal) break;
     }
     credit_ -= accept_cost * static_cast<Credit>(k + 1);
     if (k == 0) return false;
+    unserved_ = false;
     // the next tick after the last sample taken: samples stand at least a tick apart, so that
     // the next one is not before it, and a knot may stand on it
     const std::int64_t past = samples_[k - 1].t_ns - curve_.span.t0_ns;

@@ -123,7 +123,7 @@ class Search {
         if (stage_ == Stage::idle) {
             set_horizon(whole);
             partial_ = horizon_ < whole.count && !waits_;
-            hurried_ = partial_ && plan_.covers < near;
+            hurried_ = partial_ && plan_.covers < close_by;
             ahead_.size = 0;
             if (!partial_) ahead_ = whole.ahead;
             credit -= horizon_cost + Fitter::pass_cost * static_cast<Credit>(plan_.size);
@@ -180,7 +180,7 @@ class Search {
     static constexpr float hopeless = 3;             // errors beyond: moving knots will not do
     static constexpr std::uint32_t drop_period = 4;  // samples between two rounds of removal
     static constexpr std::size_t catch_up_max = 16;  // samples tested at once
-    static constexpr std::size_t near = 24;          // samples before which a plan hurries
+    static constexpr std::size_t close_by = 24;      // samples before which a plan hurries
     static constexpr std::size_t patience = 5;       // samples that a plan may lack for a while
     static constexpr std::size_t reach = 8;          // samples that a plan behind looks further,
     static constexpr std::size_t step_near = 4;      // where it hurries
@@ -201,7 +201,8 @@ class Search {
             case Stage::refit: return propose_refit(v);
             case Stage::verify:
             case Stage::repair:
-            case Stage::renew: break;
+            case Stage::renew:
+            default: break;
         }
         idle();  // its fit was cut off
         return true;
@@ -231,7 +232,8 @@ class Search {
             case Stage::drop: return dropped(ok);
             case Stage::drop_harder: return hard_dropped(ok);
             case Stage::polish: return polished(ok);
-            case Stage::idle: return;
+            case Stage::idle:
+            default: return;
         }
     }
 

@@ -66,12 +66,12 @@ template <class Channel, std::size_t N, std::size_t MaxKnots, std::size_t Horizo
 void Search<Channel, N, MaxKnots, Horizons>::set_horizon(const View& v) noexcept {
     if (plan_.covers > v.count) plan_.covers = v.count;
     catch_up(v);
-    const std::size_t most = plan_.covers < near ? step_near : reach;
+    const std::size_t most = plan_.covers < close_by ? step_near : reach;
     horizon_ = plan_.covers + (reach_ < most ? reach_ : most);
     if (horizon_ > v.count) horizon_ = v.count;
     const std::size_t behind = v.count - plan_.covers;
     const bool full = plan_.size + 2 > MaxKnots;
-    if ((behind < patience || full) && plan_.covers > near && plan_.landing == 0) {
+    if ((behind < patience || full) && plan_.covers > close_by && plan_.landing == 0) {
         horizon_ = plan_.covers;
         waits_ = behind > 0;
         return;

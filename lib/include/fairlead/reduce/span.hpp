@@ -99,7 +99,7 @@ struct Polynomial {
         each<Order>([&](std::size_t m) FAIRLEAD_INLINE {
             const float most = power_of_two(30 - fraction_bits(m));
             each<D>([&](std::size_t d)
-                        FAIRLEAD_INLINE { held = held && approx::abs(c[m][d]) < most; });
+                        FAIRLEAD_INLINE { held = held && approx::absolute(c[m][d]) < most; });
         });
         return held;
     }

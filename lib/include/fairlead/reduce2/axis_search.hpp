@@ -215,7 +215,7 @@ class AxisSearch {
 
     bool bound(Open& o, float age, std::int32_t x) const noexcept {
         const float d = static_cast<float>(x - o.v * curve::fine), ahead = o.s * age;
-        const float e = radius_ - (approx::abs(d) + approx::abs(ahead)) * rounding;
+        const float e = radius_ - (approx::absolute(d) + approx::absolute(ahead)) * rounding;
         if (!(e > 0.0f)) return false;
         const float r = d - ahead;
         const float inverse = 1.0f / (o.shape == Shape::line ? age : age * age);
@@ -236,7 +236,7 @@ class AxisSearch {
             if (h < age || fresh_lo_[i] > fresh_hi_[i]) continue;
             const float w = age * (listed ? inverse_length[i] : 1.0f / h), rest = 1.0f - w;
             const float inverse = 1.0f / (w * w * (2.0f - w)), ahead = o.s * age * (rest * rest);
-            const float e = radius_ - (approx::abs(d) + approx::abs(ahead)) * (4.0f * rounding);
+            const float e = radius_ - (approx::absolute(d) + approx::absolute(ahead)) * (4.0f * rounding);
             const float a = (d - ahead - e) * inverse, b = (d - ahead + e) * inverse;
             if (a > fresh_lo_[i]) fresh_lo_[i] = a;
             if (b < fresh_hi_[i]) fresh_hi_[i] = b;
@@ -317,7 +317,7 @@ class AxisSearch {
             if (told) {
                 const float off =
                     static_cast<float>((o.v + p) * curve::fine) - level.middle;
-                cost += static_cast<Cost>(seam_weight * approx::abs(off) / radius_);
+                cost += static_cast<Cost>(seam_weight * approx::absolute(off) / radius_);
             } else {
                 cost += code::value_cost(row, k, o.sign);
             }

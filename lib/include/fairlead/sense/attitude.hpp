@@ -36,7 +36,7 @@ class BasicAttitude {
 
     explicit BasicAttitude(const AttitudeParams& params = {}) noexcept : params_{params} {
         constexpr float longest_s = 2.0f;  // a step in ns fits 32 bits
-        gap_ns_max_ = static_cast<std::int32_t>(std::min(params.gap_s_max, longest_s) * 1e9f);
+        gap_ns_max_ = static_cast<std::int32_t>((std::min)(params.gap_s_max, longest_s) * 1e9f);
         reset();
     }
 
@@ -122,7 +122,7 @@ class BasicAttitude {
 
     /// The noise that the filter assumes is cautious; params.sigma_scale makes its report honest.
     Real reported(Real variance, float offset) const noexcept {
-        const Real v = std::max(variance, Real{0}) + static_cast<Real>(offset * offset);
+        const Real v = (std::max)(variance, Real{0}) + static_cast<Real>(offset * offset);
         return static_cast<Real>(params_.sigma_scale) * approx::sqrt(v);
     }
 
@@ -209,20 +209,22 @@ class BasicAttitude {
 
     /// Flags that change with the Kalman step, and the end of an orientation that is lost.
     void judge() noexcept {
-        const auto sq = [](float x) { return static_cast<Real>(x * x); };
+        const auto squared = [](float x) { return static_cast<Real>(x * x); };
         constexpr float lost = 0.8f;  // rad: beyond it a linear filter is worse than a new start
         const Real limit = static_cast<Real>(params_.bias_max_rad_s);
         const Vector& b = s_.bias_rad_s;
-        bool settled = tilt_variance() <= sq(params_.settled_tilt) && approx::abs(b.x) < limit &&
-                       approx::abs(b.y) < limit && approx::abs(b.z) < limit;
+        bool settled = tilt_variance() <= squared(params_.settled_tilt) &&
+                       approx::absolute(b.x) < limit && approx::absolute(b.y) < limit &&
+                       approx::absolute(b.z) < limit;
         std::uint32_t flags = s_.flags & ~(flag::settling | flag::mag_rejected);
         if constexpr (has_field) {
-            settled = settled && heading_variance() <= sq(params_.settled_heading);
-            if (s_.field.residual2 > sq(params_.field_disturbed_uT)) flags |= flag::mag_rejected;
+            settled = settled && heading_variance() <= squared(params_.settled_heading);
+            if (s_.field.residual2 > squared(params_.field_disturbed_uT))
+                flags |= flag::mag_rejected;
         }
         if (!settled) flags |= flag::settling;
         s_.flags = static_cast<std::uint16_t>(flags);
-        if (tilt_variance() > sq(lost) && s_.blind_s <= 0) {
+        if (tilt_variance() > squared(lost) && s_.blind_s <= 0) {
             s_.phase = AttitudePhase::aligning;
             s_.velocity_m_s = {};
             s_.sums = {};
@@ -295,8 +297,9 @@ class BasicAttitude {
     void note_repeats(const Vector& gyro) noexcept {
         constexpr std::uint8_t dead_windows = 4;
         const auto dead = [](Real now, Real& before, std::uint8_t& n) {
-            n = now == before ? static_cast<std::uint8_t>(std::min<int>(n + 1, dead_windows))
-                              : std::uint8_t{0};
+            n = approx::same(now, before)
+                    ? static_cast<std::uint8_t>(std::min<int>(n + 1, dead_windows))
+                    : std::uint8_t{0};
             before = now;
             return n == dead_windows;
         };

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 template <class Real, std::size_t N>
@@ -61,10 +63,10 @@ struct Covariance {
     }
 
   private:
-    template <std::size_t... I>
-    void shrink_rows(const Column& with, Real one_by_s, std::index_sequence<I...>) noexcept {
-        (shrink_row(packed.data() + row(I), with[I] * one_by_s, with,
-                    std::make_index_sequence<I + 1>{}),
+    template <std::size_t... Index>
+    void shrink_rows(const Column& with, Real one_by_s, std::index_sequence<Index...>) noexcept {
+        (shrink_row(packed.data() + row(Index), with[Index] * one_by_s, with,
+                    std::make_index_sequence<Index + 1>{}),
          ...);
     }
     template <std::size_t... J>

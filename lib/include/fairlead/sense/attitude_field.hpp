@@ -47,18 +47,18 @@ inline void start_field(MagField<Real>& f, const AttitudeParams& p) noexcept {
 
 template <class Real>
 inline Real field_dip(const MagField<Real>& f) noexcept {
-    return f.up / std::max(f.horizontal, Real{1});
+    return f.up / (std::max)(f.horizontal, Real{1});
 }
 
 /// Variance of a heading taken over `time` from a field of the given horizontal part.
 template <class Real>
 inline Real field_variance(const MagField<Real>& f, const AttitudeParams& p, Real time,
                            Real horizontal2) noexcept {
-    const auto sq = [](float x) { return static_cast<Real>(x * x); };
+    const auto squared = [](float x) { return static_cast<Real>(x * x); };
     const auto correlated_s = static_cast<Real>(p.field_s);
     const Real noise2 =
-        sq(p.field_uT) + f.residual2 + sq(p.field_start_uT) * correlated_s / f.weight_s;
-    return noise2 * correlated_s / (time * std::max(horizontal2, Real{1}));
+        squared(p.field_uT) + f.residual2 + squared(p.field_start_uT) * correlated_s / f.weight_s;
+    return noise2 * correlated_s / (time * (std::max)(horizontal2, Real{1}));
 }
 
 namespace detail {
@@ -102,14 +102,14 @@ inline FieldLook<Real> look_at_field(MagField<Real>& f, const AttitudeParams& p,
     look.east = approx::atan2(f.mean.x, f.mean.y);
     look.variance = field_variance(f, p, time, horizontal2);
     look.dip = field_dip(f);
-    const Real reference2 = std::max(f.horizontal * f.horizontal, Real{1});
+    const Real reference2 = (std::max)(f.horizontal * f.horizontal, Real{1});
     // a mean over n = weight / field_s looks moves by 1/n of each new one, and so may the heading
     look.doubt =
         f.residual2 * time * static_cast<Real>(p.field_s) / (f.weight_s * f.weight_s * reference2);
 
     const Real seen_s = rest ? time * static_cast<Real>(p.field_rest) : time;
-    f.weight_s = std::min(static_cast<Real>(p.field_memory_s), f.weight_s + seen_s);
-    const Real follow = std::min(Real{1}, seen_s / f.weight_s);
+    f.weight_s = (std::min)(static_cast<Real>(p.field_memory_s), f.weight_s + seen_s);
+    const Real follow = (std::min)(Real{1}, seen_s / f.weight_s);
     f.horizontal -= follow * off_h;
     f.up -= follow * off_u;
 

@@ -36,7 +36,7 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
     }
     void reset() noexcept {
         s_ = State{};
-        s_.bias_variance = sq(params_.bias_rad_s);
+        s_.bias_variance = squared(params_.bias_rad_s);
     }
 
     /// Empty: no time has passed, or the gyro has not spoken yet.
@@ -85,7 +85,7 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
     void restore_all(const State& known) noexcept { s_ = known; }
 
   private:
-    static Real sq(float x) noexcept { return static_cast<Real>(x) * static_cast<Real>(x); }
+    static Real squared(float x) noexcept { return static_cast<Real>(x) * static_cast<Real>(x); }
 
     /// One sample after a long gap is no rest, however long the gap.
     bool notice_rest(const Vector& gyro, Real dt) noexcept {
@@ -97,10 +97,11 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
         return update_rest(s_.rest, params_, gyro, Vector{}, dt);
     }
     void learn_bias(bool rest, Real dt) noexcept {
-        s_.bias_variance =
-            std::min(s_.bias_variance + sq(params_.bias_walk) * dt, sq(params_.bias_rad_s));
+        s_.bias_variance = (std::min)(s_.bias_variance + squared(params_.bias_walk) * dt,
+                                      squared(params_.bias_rad_s));
         if (!rest) return;
-        const Real noise2 = sq(params_.rest_rate_rad_s) * static_cast<Real>(params_.rest_window_s);
+        const Real noise2 =
+            squared(params_.rest_rate_rad_s) * static_cast<Real>(params_.rest_window_s);
         const Real gain = s_.bias_variance / (s_.bias_variance + noise2 / dt);
         s_.bias_rad_s += gain * (s_.rest.gyro - s_.bias_rad_s);
         s_.bias_variance -= gain * s_.bias_variance;

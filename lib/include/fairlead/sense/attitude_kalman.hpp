@@ -48,11 +48,12 @@ class KalmanStep {
         auto& p = s.covariance;
         p = {};
         for (std::size_t i = 0; i < 3; ++i) {
-            p(State::bias + i, State::bias + i) = sq(params.bias_rad_s);
+            p(State::bias + i, State::bias + i) = squared(params.bias_rad_s);
             for (std::size_t j = 0; j < i; ++j)
-                p(State::scale + i, State::scale + j) = sq(params.clock_error);
-            p(State::scale + i, State::scale + i) = sq(params.clock_error) + sq(params.scale_error);
-            p(State::shear + i, State::shear + i) = sq(params.misalignment);
+                p(State::scale + i, State::scale + j) = squared(params.clock_error);
+            p(State::scale + i, State::scale + i) =
+                squared(params.clock_error) + squared(params.scale_error);
+            p(State::shear + i, State::shear + i) = squared(params.misalignment);
         }
     }
 
@@ -67,7 +68,7 @@ class KalmanStep {
     /// After levelling on the mean force over align_s: off by the change of velocity in that time.
     static void aligned(State& s, const Params& params) noexcept {
         auto& p = s.covariance;
-        const Real speed2 = sq(params.velocity_m_s);
+        const Real speed2 = squared(params.velocity_m_s);
         const Real per_lift = 1 / real(gravity_m_s2 * params.align_s);
         const Real tilt2 = 2 * speed2 * per_lift * per_lift;
         for (std::size_t i = 0; i < 2; ++i) {
@@ -81,7 +82,7 @@ class KalmanStep {
             const Real dip = field_dip(s.field);
             const Real own = field_variance(s.field, params, real(params.align_s),
                                             s.field.horizontal * s.field.horizontal);
-            forget(p, State::heading, std::min(dip * dip * tilt2 + own, heading_variance_max));
+            forget(p, State::heading, (std::min)(dip * dip * tilt2 + own, heading_variance_max));
             p(State::heading, State::tilt + 1) = dip * tilt2;
             p(State::heading, State::velocity) = dip * speed2 * per_lift;
         }
@@ -143,7 +144,7 @@ class KalmanStep {
     static constexpr Real heading_variance_max = static_cast<Real>(3);
 
     static constexpr Real real(float x) noexcept { return static_cast<Real>(x); }
-    static constexpr Real sq(float x) noexcept {
+    static constexpr Real squared(float x) noexcept {
         return static_cast<Real>(x) * static_cast<Real>(x);
     }
     static bool resting(const State& s) noexcept { return (s.flags & flag::rest) != 0; }
@@ -157,18 +158,19 @@ class KalmanStep {
                           const WindowSums<Real>& w) noexcept {
         const Real speed = approx::sqrt(w.turn2 * static_cast<Real>(w.count)) / w.time;
         const Real angle2 =
-            (sq(params.gyro_noise) + sq(params.gyro_scale_noise) * speed) * w.time + w.doubt_angle2;
-        const Real velocity2 = sq(params.accel_noise) * w.time + w.doubt_velocity2;
+            (squared(params.gyro_noise) + squared(params.gyro_scale_noise) * speed) * w.time +
+            w.doubt_angle2;
+        const Real velocity2 = squared(params.accel_noise) * w.time + w.doubt_velocity2;
         for (std::size_t i = 0; i < 2; ++i) {
             p(State::tilt + i, State::tilt + i) += angle2;
             p(State::velocity + i, State::velocity + i) += velocity2;
         }
         if constexpr (has_field) {
             Real& h = p(State::heading, State::heading);
-            h = std::max(h, std::min(h + angle2, heading_variance_max));
+            h = (std::max)(h, (std::min)(h + angle2, heading_variance_max));
         }
         for (std::size_t i = State::bias; i < State::bias + 3; ++i)
-            if (p(i, i) < sq(params.bias_rad_s)) p(i, i) += sq(params.bias_walk) * w.time;
+            if (p(i, i) < squared(params.bias_rad_s)) p(i, i) += squared(params.bias_walk) * w.time;
     }
 
     /// The errors of body axis j turn the world: error -= R_j (db_j + dC_j rate).
@@ -203,13 +205,14 @@ class KalmanStep {
 
     static void measure_bias(State& s, const Params& params, std::size_t axis) noexcept {
         const Real rate = component(s.rest.gyro, axis), bias = component(s.bias_rad_s, axis);
-        const Real noise2 = sq(params.rest_rate_rad_s) * real(params.rest_window_s);
+        const Real noise2 = squared(params.rest_rate_rad_s) * real(params.rest_window_s);
         measure(s, State::bias + axis, rate - bias, noise2 / s.means.time);
     }
 
     static void measure_velocity(State& s, const Params& params, std::size_t axis) noexcept {
-        const Real noise2 = resting(s) ? sq(params.rest_velocity_m_s) * real(params.rest_velocity_s)
-                                       : sq(params.velocity_m_s) * real(params.velocity_s);
+        const Real noise2 = resting(s)
+                                ? squared(params.rest_velocity_m_s) * real(params.rest_velocity_s)
+                                : squared(params.velocity_m_s) * real(params.velocity_s);
         measure(s, State::velocity + axis, -s.means.velocity[axis], noise2 / s.means.time);
     }
 
@@ -217,13 +220,13 @@ class KalmanStep {
         // a single reading tells as much as all of those, correlated, that might have come since
         s.field.since_s += s.means.time;
         if (s.field.mean_count == 0) return;
-        const Real time = std::min(s.field.since_s, real(params.field_s));
+        const Real time = (std::min)(s.field.since_s, real(params.field_s));
         s.field.since_s = 0;
         constexpr float turning = 0.35f;  // rad/s: the field is seen from more than one side
         auto& p = s.covariance;
         auto& x = s.correction;
         const auto look = look_at_field(s.field, params, x[State::tilt], time, resting(s),
-                                        dot(s.means.rate, s.means.rate) > sq(turning));
+                                        dot(s.means.rate, s.means.rate) > squared(turning));
         p(State::heading, State::heading) += look.doubt;
         // the field's angle east of north is dip * tilt_y - heading
         const Column tilt = p.column(State::tilt + 1);
@@ -258,7 +261,7 @@ class KalmanStep {
         const auto bias = [&](Real b, std::size_t i) {
             const Real found = b + x[State::bias + i], kept = std::clamp(found, -limit, limit);
             Real& variance = s.covariance(State::bias + i, State::bias + i);
-            if (kept != found) variance = std::max(variance, limit * limit);
+            if (!approx::same(kept, found)) variance = (std::max)(variance, limit * limit);
             return kept;
         };
         s.bias_rad_s = {bias(s.bias_rad_s.x, 0), bias(s.bias_rad_s.y, 1), bias(s.bias_rad_s.z, 2)};

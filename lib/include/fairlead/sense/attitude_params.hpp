@@ -2,6 +2,7 @@
 // What the attitude filter assumes about the sensor, the motion and the field: SI units, defaults
 // for consumer MEMS sensors on a hand, a body or a vehicle. Where each number comes from, and what
 // changing it costs: docs/attitude.md.
+#include "fairlead/base/compiler.hpp"
 
 namespace fairlead {
 

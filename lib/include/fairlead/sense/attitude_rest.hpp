@@ -20,15 +20,15 @@ inline void judge_rest(RestState<Real>& s, const AttitudeParams& p, Real time) n
     const Real rise = 1 + time * static_cast<Real>(1.0 / 600);  // a warmer sensor, in ten minutes
     const auto most = static_cast<Real>(p.rest_noise_max * p.rest_noise_max);
     const auto limit2 = [&](Real& floor2, Real noise2, float limit) {
-        floor2 = std::min(floor2 * rise, noise2);
+        floor2 = (std::min)(floor2 * rise, noise2);
         const auto least = static_cast<Real>(limit * limit);
         return std::clamp(noise_factor2 * floor2, least, least * most);
     };
     s.gyro_max2 = limit2(s.gyro_floor2, s.gyro_noise2, p.rest_gyro_rad_s);
     s.accel_max2 = limit2(s.accel_floor2, s.accel_noise2, p.rest_accel_m_s2);
     const auto bias = static_cast<Real>(p.bias_max_rad_s);
-    s.plausible = approx::abs(s.gyro.x) <= bias && approx::abs(s.gyro.y) <= bias &&
-                  approx::abs(s.gyro.z) <= bias;
+    s.plausible = approx::absolute(s.gyro.x) <= bias && approx::absolute(s.gyro.y) <= bias &&
+                  approx::absolute(s.gyro.z) <= bias;
 }
 
 template <class Real>

@@ -61,7 +61,7 @@ class AccelFit {
             const float off = norm(m - offset);
             if (off > out.opposition_m_s2) out.opposition_m_s2 = off;
         }
-        if (!(approx::abs(determinant(a) - 1) <= determinant_error_max) ||
+        if (!(approx::absolute(determinant(a) - 1) <= determinant_error_max) ||
             !(out.opposition_m_s2 <= opposition_max))
             return Status::bad_data;
         out.correction.offset = offset;
@@ -82,7 +82,7 @@ class AccelFit {
         if (!(n > 0.7f * g_ && n < 1.3f * g_)) return -1;
         for (int k = 0; k < 3; ++k) {
             const float c = component(a, static_cast<std::size_t>(k));
-            if (approx::abs(c) > upright * n) return 2 * k + (c > 0 ? 0 : 1);
+            if (approx::absolute(c) > upright * n) return 2 * k + (c > 0 ? 0 : 1);
         }
         return -1;
     }

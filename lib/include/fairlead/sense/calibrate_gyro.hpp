@@ -121,14 +121,14 @@ class GyroTurnFit {
         FAIRLEAD_ASSERT(axis < 3);
         if (!is_finite(turned_)) return Status::bad_data;  // a part of the turn is missing
         const float measured = component(turned_, axis);
-        if (approx::abs(measured) < angle_rad_min) return Status::not_enough_data;
+        if (approx::absolute(measured) < angle_rad_min) return Status::not_enough_data;
         GyroScale out;
         out.factor = angle_rad / measured;
         const Vec3 along{axis == 0 ? 1.0f : 0, axis == 1 ? 1.0f : 0, axis == 2 ? 1.0f : 0};
         const Vec3 seen = rotate(q_, along);
         const float c = dot(seen, along);
         out.off_axis_rad = approx::acos(c);
-        if (!(approx::abs(out.factor - 1) <= factor_error_max) ||
+        if (!(approx::absolute(out.factor - 1) <= factor_error_max) ||
             !(out.off_axis_rad <= off_axis_rad_max))
             return Status::bad_data;
         return out;

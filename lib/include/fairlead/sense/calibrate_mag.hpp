@@ -71,7 +71,7 @@ class MagFit {
         for (std::size_t i = 0; i < unknowns; ++i) left2 -= p[i] * right_[i];
         const double noise2 = (left2 > 0 ? left2 : 0) / static_cast<double>(count_ - unknowns);
         MagCalibration out;
-        out.residual = static_cast<float>(approx::sqrt(noise2) / (2 * approx::abs(k)));
+        out.residual = static_cast<float>(approx::sqrt(noise2) / (2 * approx::absolute(k)));
         const double spread = centre_variance(l, a);
         out.offset_error_uT = static_cast<float>(unit_uT * approx::sqrt(noise2 * spread));
         if (spread * static_cast<double>(count_) > spread_max) return Status::not_enough_data;
@@ -169,7 +169,7 @@ class MagFit {
             root = next;
         }
         const Matrix again = root * root;
-        return approx::abs(determinant(again) / determinant(m) - 1) < 1e-6;
+        return approx::absolute(determinant(again) / determinant(m) - 1) < 1e-6;
     }
     /// Of a positive symmetric matrix: its powers, by squaring, turn into the projection on it.
     static double largest_eigenvalue(const Matrix& m) noexcept {

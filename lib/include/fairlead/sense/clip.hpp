@@ -15,8 +15,8 @@ namespace fairlead {
 constexpr bool at_range_end(const Vec3& v, float max) noexcept {
     constexpr float full = 0.99f;  // of the range: the last code may be a little below it
     const float limit = full * max;
-    return max > 0 &&
-           (approx::abs(v.x) >= limit || approx::abs(v.y) >= limit || approx::abs(v.z) >= limit);
+    return max > 0 && (approx::absolute(v.x) >= limit || approx::absolute(v.y) >= limit ||
+                       approx::absolute(v.z) >= limit);
 }
 
 /// The sample with its flags for clipping, by the ranges that are known (not 0).

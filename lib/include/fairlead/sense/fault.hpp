@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 enum class Fault : std::uint8_t {
@@ -32,6 +34,7 @@ constexpr const char* to_string(Fault f) noexcept {
         case Fault::out_of_range: return "out of range";
         case Fault::not_unit: return "not a rotation";
         case Fault::stuck: return "stuck";
+        default: break;
     }
     return "unknown";
 }

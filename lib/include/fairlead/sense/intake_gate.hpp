@@ -65,13 +65,14 @@ class ChannelGate {
     }
 
     static constexpr bool in_range(const Vec3& v, float max) noexcept {
-        return approx::abs(v.x) <= max && approx::abs(v.y) <= max && approx::abs(v.z) <= max;
+        return approx::absolute(v.x) <= max && approx::absolute(v.y) <= max &&
+               approx::absolute(v.z) <= max;
     }
     static constexpr bool in_range(const Quat&, float) noexcept { return true; }  // see mend()
     template <std::size_t D>
     static constexpr bool in_range(const std::array<float, D>& v, float max) noexcept {
         for (const float x : v)
-            if (!(approx::abs(x) <= max)) return false;
+            if (!(approx::absolute(x) <= max)) return false;
         return true;
     }
     template <std::size_t D>
@@ -85,16 +86,17 @@ class ChannelGate {
         return fairlead::is_finite(v);
     }
     static constexpr bool equal(const Vec3& a, const Vec3& b) noexcept {
-        return a.x == b.x && a.y == b.y && a.z == b.z;
+        return approx::same(a.x, b.x) && approx::same(a.y, b.y) && approx::same(a.z, b.z);
     }
     static constexpr bool equal(const Quat& a, const Quat& b) noexcept {
-        return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
+        return approx::same(a.w, b.w) && approx::same(a.x, b.x) && approx::same(a.y, b.y) &&
+               approx::same(a.z, b.z);
     }
     template <std::size_t D>
     static constexpr bool equal(const std::array<float, D>& a,
                                 const std::array<float, D>& b) noexcept {
         for (std::size_t i = 0; i < D; ++i)
-            if (a[i] != b[i]) return false;
+            if (!approx::same(a[i], b[i])) return false;
         return true;
     }
     template <class V>
@@ -106,13 +108,13 @@ class ChannelGate {
         const float low = 1 - p.unit_tolerance, high = 1 + p.unit_tolerance;
         if (!(n2 >= low * low && n2 <= high * high)) return false;
         constexpr float rounding = 1e-6f;  // unit already, as far as float goes: keep its bits
-        if (approx::abs(n2 - 1) > rounding) q = normalised(q);
+        if (approx::absolute(n2 - 1) > rounding) q = normalised(q);
         q = same_side(side_, q);
         side_ = q;
         return true;
     }
 
-    static constexpr std::uint32_t repeats_max = std::numeric_limits<std::uint32_t>::max();
+    static constexpr std::uint32_t repeats_max = (std::numeric_limits<std::uint32_t>::max)();
 
     Value raw_{};
     Value side_{};  // the last good value; of use to quaternions

@@ -102,7 +102,7 @@ class StrainOrientation {
             for (int halving = 0; halving < 4 && !taken; ++halving, part /= 2) {
                 try_step(at, n, part, prior);
                 const Real trial = cost_of(at, n, lambda, prior);
-                taken = trial <= cost + cost * rounding || small(at, n, part);
+                taken = trial <= cost + cost * rounding || negligible(at, n, part);
                 if (taken) cost = trial;
             }
             if (!taken) {
@@ -132,7 +132,7 @@ class StrainOrientation {
     /// Is the step one that needs no proof? So near the minimum it is good to parts in a million,
     /// and what it gains may drown in the rounding of a cost that happened to come out low.
     template <class At>
-    static bool small(const At& at, std::size_t n, Real part) noexcept {
+    static bool negligible(const At& at, std::size_t n, Real part) noexcept {
         for (std::size_t i = 0; i < n; ++i)
             if (dot(at(i).turn, at(i).turn) * part * part > blind_rad * blind_rad) return false;
         return true;

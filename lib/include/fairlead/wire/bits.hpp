@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 constexpr std::uint32_t zigzag(std::int32_t v) noexcept {

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 /// Of four bits each. Not in the function, where compilers copy it to the stack in every call.

@@ -31,15 +31,15 @@ inline constexpr std::uint8_t stepless_head = 0xC0;   // first byte from which n
 /// A power of two: mostly one of those of lengths in metres and angles in radians.
 template <class Io>
 void exponent(Io& io, std::int8_t& e) noexcept {
-    auto small = static_cast<std::uint32_t>(e + 27);
-    if (flag(io, small < 32)) {
-        io.bits(small, 5);
+    auto biased = static_cast<std::uint32_t>(e + 27);
+    if (flag(io, biased < 32)) {
+        io.bits(biased, 5);
     } else {
-        small = static_cast<std::uint8_t>(e);
-        io.bits(small, 8);
-        small += 27;
+        biased = static_cast<std::uint8_t>(e);
+        io.bits(biased, 8);
+        biased += 27;
     }
-    e = static_cast<std::int8_t>(static_cast<std::uint8_t>(small - 27));
+    e = static_cast<std::int8_t>(static_cast<std::uint8_t>(biased - 27));
 }
 template <class Io, std::size_t D, std::size_t Order>
 void scale(Io& io, typename VectorChannel<D, Order>::Scale& s, VectorChannel<D, Order>) noexcept {
@@ -151,7 +151,7 @@ void cover(Io& io, Link<Channel>& link, Batch<Channel, MaxKnots>& batch,
     std::uint32_t moved = 0;
     for (std::size_t i = 0; i < batch.size; ++i) moved += batch.knot[i].ticks;
     std::uint32_t stride = moved + batch.cover_ticks - covered;
-    near(io, stride, link.stride, link.stride > 0 ? 1 : 6);
+    near_expected(io, stride, link.stride, link.stride > 0 ? 1 : 6);
     batch.cover_ticks = stride + covered - moved;
     link.stride = stride;
 }

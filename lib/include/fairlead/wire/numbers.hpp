@@ -47,7 +47,7 @@ void mostly_small(Io& io, std::uint32_t& v, unsigned k) noexcept {
 
 /// The difference to what both ends expect, modulo 2^32.
 template <class Io>
-void near(Io& io, std::uint32_t& v, std::uint32_t expected, unsigned k) noexcept {
+void near_expected(Io& io, std::uint32_t& v, std::uint32_t expected, unsigned k) noexcept {
     std::uint32_t z = zigzag(static_cast<std::int32_t>(v - expected));
     mostly_small(io, z, k);
     v = expected + static_cast<std::uint32_t>(unzigzag(z));
@@ -63,7 +63,7 @@ std::uint32_t row(Io& io, std::array<std::int32_t, D>& values, std::uint32_t usu
             const std::uint32_t w = bit_width(zigzag(v));
             width = w > width ? w : width;
         }
-    near(io, width, usual, 1);
+    near_expected(io, width, usual, 1);
     if (width > 32) width = 32;
     for (auto& v : values) {
         std::uint32_t z = zigzag(v);

@@ -1,0 +1,91 @@
+#include "host_sim/recording/table.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_sim/recording/decimal.hpp"
+
+namespace fairlead::sim {
+namespace {
+
+/// A line with a number in it is a record; a line of words alone is a header.
+bool is_record(const Line& line, const Style& style) {
+    Fields fields;
+    split_fields(line.text, style.separator, fields);
+    return std::any_of(fields.begin(), fields.end(), [&](std::string_view f) {
+        return is_number(f, style) && f.find_first_of("0123456789") != std::string_view::npos;
+    });
+}
+
+std::size_t columns_in(const Line& line, const Style& style) {
+    Fields fields;
+    split_fields(line.text, style.separator, fields);
+    return fields.size();
+}
+
+}  // namespace
+
+bool is_separator_line(std::string_view line) {
+    return line.size() <= 6 && (line.substr(0, 4) == "sep=" || line.substr(0, 5) == "\"sep=");
+}
+
+Table table_of(std::string_view text) {
+    Table table;
+    LineReader reader{text};
+    Line line;
+    bool trailing = true;
+    while (table.records.size() < evidence_rows && reader.next(line)) {
+        if (line.comment) {
+            if (table.columns == 0) table.before.push_back(line);
+            continue;
+        }
+        if (is_separator_line(line.text)) continue;
+        if (table.columns == 0) {
+            const Style style = style_of(line.text);
+            if (!is_record(line, style)) {
+                table.before.push_back(line);
+                continue;
+            }
+            table.style = style;
+            table.columns = columns_in(line, style);
+            table.first_number = line.number;
+        }
+        table.records.push_back(line);
+        trailing = trailing && line.text.back() == table.style.separator;
+    }
+    // a separator behind the last column of every record is no column
+    if (table.columns > 1 && trailing && table.style.separator != ' ') {
+        Fields names;
+        for (const Line& before : table.before) {
+            split_fields(before.text, table.style.separator, names);
+            if (names.size() == table.columns && !names.back().empty()) return table;
+        }
+        --table.columns;
+    }
+    return table;
+}
+
+Evidence evidence_of(const Table& table) {
+    Evidence out;
+    out.columns.resize(table.columns);
+    out.whole.assign(table.columns, true);
+    Fields fields;
+    std::string storage;
+    for (const Line& line : table.records) {
+        if (!line.ended && out.rows > 0) continue;  // may be cut
+        split_fields(line.text, table.style.separator, fields);
+        if (fields.size() < table.columns) continue;
+        if (out.first.empty()) out.first = fields;
+        ++out.rows;
+        for (std::size_t i = 0; i < table.columns; ++i) {
+            const std::string_view number = number_text(fields[i], table.style, storage);
+            const auto value = real64(number);
+            out.columns[i].push_back(value ? *value : double{NAN});
+            const auto place = last_place(number);
+            if (!number.empty() && (!place || *place < 0)) out.whole[i] = false;
+        }
+    }
+    return out;
+}
+
+}  // namespace fairlead::sim
