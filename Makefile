@@ -174,14 +174,17 @@ test-strain: $(BUILD)/tests/strain ## [build reference] hold fixed-lag strain sm
 same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
 	@tests/sim/test_same_bytes.py $(wildcard $(RECORDINGS)/tracker120/*.trk)
 
-# fuzz targets: clang, AddressSanitizer and UBSan, libFuzzer's own main; what they need of other parts is compiled with them
+# fuzz targets: clang, AddressSanitizer and UBSan, libFuzzer's own main; the parts that they search are compiled with them
 SECONDS      ?= 60
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.cpp,$(BUILD)/fuzz/%,$(call sources,tests/fuzz/*.cpp))
 FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all
-$(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp
+$(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp $(LIB_HEADERS) $(call sources,tests/fuzz/*.hpp tests/pipeline/*.hpp)
 	@mkdir -p $(@D)
-	$(call step,$<) clang++ $(filter-out -g,$(BASE)) -Wno-double-promotion $(FUZZ_FLAGS) -MMD -MP -MF $@.d $< $(FUZZ_PARTS_$*) -o $@
--include $(if $(WORK),$(wildcard $(BUILD)/fuzz/*.d))
+	$(call step,$<) clang++ $(BASE) -Wno-double-promotion $(FUZZ_FLAGS) $(filter %.cpp %.a,$^) $(FUZZ_LIBS) -o $@
+$(BUILD)/fuzz/recording: $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp
+$(BUILD)/fuzz/config: $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp toml_parser.cpp) \
+                      $(addprefix $(BUILD)/,libgateway.a libport.a libsim.a)
+$(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
 .PHONY: fuzz mutants
 mutants: $(BUILD)/libsim.a ## [build script test reference] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
 	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
