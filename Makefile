@@ -86,7 +86,7 @@ $(eval $(call program,fairlead-record,$(RECORD),port sim,-lgpiod))
 $(foreach p,gateway poll registers,$(eval \
   $(call program,fairlead-$(p),examples/gateway/$(p)_main.cpp,gateway port sim,$(GATEWAY_LIBS))))
 $(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/measure/*.cpp),gateway port sim,$(GATEWAY_LIBS)))
-$(foreach e,filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
+$(foreach e,attitude filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
 $(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,sim))
 $(eval $(call program,bench-peers,$(call sources,host_sim/bench_peers/*.cpp) $(SISL),peers sim,-lsisl -lz))
 $(eval $(call program,bench-smooth,host_sim/bench_smooth/smooth.cpp $(call sources,host_sim/baselines/filters/*.cpp),,-lbenchmark))
@@ -138,8 +138,8 @@ $(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
 	@$(BUILD)/fairlead-sim generate '$(DEMO_MOTION)' --seed 1 --out $@
 
 TEST_PROGRAMS := $(addprefix $(BUILD)/tests/,unit port gpio1 gpio2 gateway peers)
-TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/setup/test_*.py)
-TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/filter examples/reduce examples/decode)
+TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/setup/test_*.py tests/must_fail/test_*.py)
+TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/attitude examples/filter examples/reduce examples/decode)
 test: $(TESTED) ## [build demo script gateway test reference] build and run all tests that need no other machine
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 
@@ -173,6 +173,23 @@ test-strain: $(BUILD)/tests/strain ## [build reference] hold fixed-lag strain sm
 	@tests/run $(BUILD)/tests/strain
 same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
 	@tests/sim/test_same_bytes.py $(wildcard $(RECORDINGS)/tracker120/*.trk)
+
+# fuzz targets: clang, AddressSanitizer and UBSan, libFuzzer's own main; the parts that they search are compiled with them
+SECONDS      ?= 60
+FUZZ_TARGETS := $(patsubst tests/fuzz/%.cpp,$(BUILD)/fuzz/%,$(call sources,tests/fuzz/*.cpp))
+FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all
+$(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp $(LIB_HEADERS) $(call sources,tests/fuzz/*.hpp tests/pipeline/*.hpp)
+	@mkdir -p $(@D)
+	$(call step,$<) clang++ $(BASE) -Wno-double-promotion $(FUZZ_FLAGS) $(filter %.cpp %.a,$^) $(FUZZ_LIBS) -o $@
+$(BUILD)/fuzz/recording: $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp
+$(BUILD)/fuzz/config: $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp toml_parser.cpp) \
+                      $(addprefix $(BUILD)/,libgateway.a libport.a libsim.a)
+$(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
+.PHONY: fuzz mutants
+mutants: $(BUILD)/libsim.a ## [build script test reference] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
+	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
+fuzz: $(FUZZ_TARGETS) ## [build clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
+	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
 
 .PHONY: gateway-peers gateway-firmware gateway-sanitize gateway-measure linux-vm-test
 gateway-peers: gateway ## [script modbus-peers] other people's Modbus clients against the gateway, TCP and RTU

@@ -387,8 +387,7 @@ void judge(Replay& result) {
 
 IntakeParams intake_params(const Recording& recording) {
     IntakeParams params;
-    const auto period_ns = static_cast<std::int64_t>(recording.period_s * 1e9);
-    params.gap_ns = std::max(params.gap_ns, 3 * period_ns);
+    params.gap_ns = default_gap_ns(static_cast<std::int64_t>(recording.period_s * 1e9));
     return params;
 }
 

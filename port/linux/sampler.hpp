@@ -199,8 +199,7 @@ class Sampler {
             const auto sample = intake_.push(batch.samples[i]);
             if (sample)
                 batch.samples[kept++] = *sample;
-            else
-                ++counts_.refused;
+            if (intake_.refused()) ++counts_.refused;
         }
         batch.count = kept;
         counts_.samples += kept;

@@ -8,19 +8,12 @@
 #include <cstddef>
 
 #include "fairlead/base/types.hpp"
+#include "fairlead/board.hpp"
 #include "fairlead/sense/intake.hpp"
 #include "fairlead/smooth/filter.hpp"
 #include "fairlead/wire/encoder.hpp"
 
 namespace fairlead {
-
-/// Leaves poses as they are.
-struct NoFilter {
-    static constexpr std::size_t latency = 0;
-    static std::optional<Pose> push(const Pose& pose) noexcept { return pose; }
-    static std::optional<Pose> flush() noexcept { return std::nullopt; }
-    static void reset() noexcept {}
-};
 
 /// What a configuration names; derive from it or write your own.
 struct PipelineConfig {

@@ -30,6 +30,8 @@ enum class [[nodiscard]] Status : std::uint8_t{
     address_in_use,    // a driver of the system owns this bus address
     protocol_error,    // the peer broke the protocol, for instance by an impossible length
     closed,            // the handle is not open
+    refused,           // the intake refused the record; its fault counts say why
+    no_valid_data,     // the record was taken, but none of its values can be used: valid bits?
 };
 
 /// A short name for messages; never null.
@@ -56,6 +58,8 @@ constexpr const char* to_string(Status s) noexcept {
         case Status::address_in_use: return "address in use";
         case Status::protocol_error: return "protocol error";
         case Status::closed: return "closed";
+        case Status::refused: return "refused";
+        case Status::no_valid_data: return "no valid data";
         default: break;
     }
     return "unknown";

@@ -13,6 +13,8 @@
 //   - Every angle in the API is the full rotation angle in radians. The half-angle exp/log
 //   convention
 //     of quaternions is known to math/quat.hpp alone.
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -54,6 +56,11 @@ inline constexpr Bits gyro_clipped = 1u << 13;   // Sample: of what sensor, besi
 inline constexpr Bits accel_clipped = 1u << 14;  // likewise
 inline constexpr Bits mag_clipped = 1u << 15;    // likewise
 inline constexpr Bits temperature_valid = 1u << 16;  // Sample: temperature_c holds a measurement
+inline constexpr Bits new_run = 1u << 17;   // set by an intake: times before this record are of
+                                            // another clock and must not be compared with it
+inline constexpr Bits new_grid = 1u << 18;  // inside a pipeline: curves change their grid
+inline constexpr Bits vector_valid = position_valid;  // VectorSample: value holds a measurement
+inline constexpr Bits vector_gap = position_gap;      // VectorSample: its curve starts anew
 }  // namespace flag
 
 /// One reading of an IMU, as the chip said it, in SI units and the body frame.
@@ -73,6 +80,14 @@ struct alignas(8) Pose {
     std::int64_t t_ns{};
     Vec3 p_w_m{};
     Quat q_wb{};
+    std::uint32_t flags{};
+};
+
+/// D numbers that were measured together, such as joint angles. Units are the caller's.
+template <std::size_t D>
+struct VectorSample {
+    std::int64_t t_ns{};
+    std::array<float, D> value{};
     std::uint32_t flags{};
 };
 

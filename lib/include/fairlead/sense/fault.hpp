@@ -10,22 +10,26 @@ namespace fairlead {
 
 enum class Fault : std::uint8_t {
     repeated_time,  // record refused
-    backward_time,  // record refused
-    leap,           // record refused: its time lies implausibly far ahead
+    backward_time,  // record refused: a lone stamp in the past
+    leap,           // record refused: a lone stamp far ahead
+    too_close,      // record refused: nearer to the one before than a curve can carry
     gap,            // data missing before a record, of all channels or of one
+    new_run,        // accepted, with a time base of its own: the clock went back or leapt
     not_finite,     // channel refused: NaN or infinity
     out_of_range,   // channel refused
     not_unit,       // channel refused: a quaternion far from unit length
     stuck,          // channel refused: the same value for too many records
 };
-inline constexpr std::size_t fault_kinds = 8;
+inline constexpr std::size_t fault_kinds = 10;
 
 constexpr const char* to_string(Fault f) noexcept {
     switch (f) {
         case Fault::repeated_time: return "repeated time";
         case Fault::backward_time: return "backward time";
         case Fault::leap: return "leap in time";
+        case Fault::too_close: return "too close in time";
         case Fault::gap: return "gap";
+        case Fault::new_run: return "new run";
         case Fault::not_finite: return "not finite";
         case Fault::out_of_range: return "out of range";
         case Fault::not_unit: return "not a rotation";

@@ -1,69 +1,20 @@
 #pragma once
-// The two checks that an intake is made of: the order of times, and the worth of one value.
-// What they promise together: sense/intake.hpp.
+// What an intake checks of one value of a record: finite, in range, a rotation, alive.
+// What the checks promise together: sense/intake.hpp.
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
 #include "fairlead/base/types.hpp"
 #include "fairlead/math/quat.hpp"
 #include "fairlead/sense/fault.hpp"
+#include "fairlead/sense/intake_clock.hpp"
+#include "fairlead/sense/intake_params.hpp"
 
 namespace fairlead {
 
-struct IntakeParams {
-    std::int64_t gap_ns{100'000'000};      // a longer pause is a gap
-    std::int64_t leap_ns{60'000'000'000};  // a longer step ahead must be confirmed
-    std::uint32_t stuck_records{0};        // as many equal values in a row are refused; 0: never
-    std::uint32_t restart_records{0};      // as many rising records in the past are a new clock,
-                                           // accepted after a gap; 0: never, time cannot go back
-    float position_max_m{1e4f};
-    float gyro_max_rad_s{100};
-    float accel_max_m_s2{2000};
-    float mag_max_uT{5000};
-    float unit_tolerance{0.01f};  // largest | |q| - 1 | that is mended
-};
-
 namespace detail {
-
-class IntakeClock {
-  public:
-    enum class Verdict : std::uint8_t { next, gap, repeated, backward, leap };
-
-    constexpr Verdict check(std::int64_t t_ns, const IntakeParams& p) noexcept {
-        if (!running_) {
-            running_ = true;
-            return accept(t_ns, Verdict::next);
-        }
-        const bool ahead = t_ns > last_ns_;
-        if (ahead && within(last_ns_, t_ns, p.leap_ns))
-            return accept(t_ns, within(last_ns_, t_ns, p.gap_ns) ? Verdict::next : Verdict::gap);
-        if (t_ns == last_ns_) return Verdict::repeated;
-        const bool follows =
-            suspects_ > 0 && t_ns > suspect_ns_ && within(suspect_ns_, t_ns, p.leap_ns);
-        suspects_ = follows ? suspects_ + 1 : 1;
-        suspect_ns_ = t_ns;
-        if (ahead ? suspects_ > 1 : p.restart_records > 0 && suspects_ > p.restart_records)
-            return accept(t_ns, Verdict::gap);
-        return ahead ? Verdict::leap : Verdict::backward;
-    }
-    /// to - from <= limit for from < to, whatever the two are.
-    static constexpr bool within(std::int64_t from, std::int64_t to, std::int64_t limit) noexcept {
-        return static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from) <=
-               static_cast<std::uint64_t>(limit > 0 ? limit : 0);
-    }
-
-  private:
-    constexpr Verdict accept(std::int64_t t_ns, Verdict v) noexcept {
-        last_ns_ = t_ns;
-        suspects_ = 0;
-        return v;
-    }
-
-    std::int64_t last_ns_{0};
-    std::int64_t suspect_ns_{0};
-    std::uint32_t suspects_{0};  // records in a row that contradict the clock but not each other
-    bool running_{false};
-};
 
 /// One value within a record: its bits among the flags, and the largest component it may have.
 struct ChannelLimits {
@@ -80,15 +31,17 @@ class ChannelGate {
               const IntakeParams& p, FaultCounts& counts) noexcept {
         if (flags & limits.gap) gap_ = true;
         flags &= ~limits.gap;
+        if ((flags & flag::new_run) && seen_) {  // last_ns_ is of another clock
+            gap_ = true;
+            seen_ = false;
+        }
         if ((flags & limits.valid) && !good(value, flags, limits, p, counts))
             flags &= ~limits.valid;
         if (!(flags & limits.valid)) {
             value = {};
             return;
         }
-        // a clock that restarted left the last sample in the future: that is a gap as well
-        if (seen_ && (t_ns <= last_ns_ || !IntakeClock::within(last_ns_, t_ns, p.gap_ns)))
-            gap_ = true;
+        if (seen_ && !IntakeClock::within(last_ns_, t_ns, p.gap_ns)) gap_ = true;
         if (gap_) flags |= limits.gap;
         gap_ = false;
         seen_ = true;
@@ -116,6 +69,22 @@ class ChannelGate {
                approx::absolute(v.z) <= max;
     }
     static constexpr bool in_range(const Quat&, float) noexcept { return true; }  // see mend()
+    template <std::size_t D>
+    static constexpr bool in_range(const std::array<float, D>& v, float max) noexcept {
+        for (const float x : v)
+            if (!(approx::absolute(x) <= max)) return false;
+        return true;
+    }
+    template <std::size_t D>
+    static constexpr bool is_finite(const std::array<float, D>& v) noexcept {
+        for (const float x : v)
+            if (!approx::is_finite(x)) return false;
+        return true;
+    }
+    template <class V>
+    static constexpr bool is_finite(const V& v) noexcept {
+        return fairlead::is_finite(v);
+    }
     static constexpr bool equal(const Vec3& a, const Vec3& b) noexcept {
         return approx::same(a.x, b.x) && approx::same(a.y, b.y) && approx::same(a.z, b.z);
     }
@@ -123,7 +92,17 @@ class ChannelGate {
         return approx::same(a.w, b.w) && approx::same(a.x, b.x) && approx::same(a.y, b.y) &&
                approx::same(a.z, b.z);
     }
-    constexpr bool mend(Vec3&, const IntakeParams&) noexcept { return true; }
+    template <std::size_t D>
+    static constexpr bool equal(const std::array<float, D>& a,
+                                const std::array<float, D>& b) noexcept {
+        for (std::size_t i = 0; i < D; ++i)
+            if (!approx::same(a[i], b[i])) return false;
+        return true;
+    }
+    template <class V>
+    constexpr bool mend(V&, const IntakeParams&) noexcept {
+        return true;
+    }
     bool mend(Quat& q, const IntakeParams& p) noexcept {
         const float n2 = dot(q, q);
         const float low = 1 - p.unit_tolerance, high = 1 + p.unit_tolerance;

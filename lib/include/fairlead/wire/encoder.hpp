@@ -8,18 +8,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/bytes.hpp"
 #include "fairlead/base/types.hpp"
 #include "fairlead/wire/events.hpp"
 #include "fairlead/wire/layout.hpp"
 
 namespace fairlead {
-
-/// Bytes of complete frames; the memory is the encoder's and holds until its next call.
-struct Bytes {
-    const std::uint8_t* data{nullptr};
-    std::size_t size{0};
-    constexpr bool empty() const noexcept { return size == 0; }
-};
 
 /// Work per push and channel on the search, in instructions of a Cortex-M4F, about.
 inline constexpr Credit slice_small = 24000, slice_medium = 100000, slice_large = 380000;
@@ -86,7 +80,7 @@ class Encoder {
         position_.work();
         orientation_.work();
         let_out_events(size_ > 0 ? 0 : params_.event_delay_max);
-        return {out_.data(), size_};
+        return {out_.data(), size_, Status::ok};
     }
 
     /// An event of a discrete channel; it leaves with the next record, at most event_delay_max
@@ -97,7 +91,7 @@ class Encoder {
     Bytes idle() noexcept {
         size_ = 0;
         let_out_events(params_.event_delay_max);
-        return {out_.data(), size_};
+        return {out_.data(), size_, Status::ok};
     }
 
     /// Makes everything final; call until it returns nothing. A call costs what a push costs.
@@ -110,7 +104,7 @@ class Encoder {
         }
         let_out_events(0);
         position_gap_ = orientation_gap_ = true;  // what comes later starts new curves
-        return {out_.data(), size_};
+        return {out_.data(), size_, Status::ok};
     }
 
     const PositionReducer& position() const noexcept { return position_; }

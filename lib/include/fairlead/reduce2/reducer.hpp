@@ -1,0 +1,270 @@
+#pragma once
+// Records in, committed frames out: the windows of all channels on one grid.
+//
+// The reducer decides when columns are due and where frames end; the channels search. A frame ends
+//   - when its oldest record has waited as long as the delay allows,
+//   - when its cost comes near to what a frame holds,
+//   - before a sample that its window cannot reach (range, 250 ticks), and where it must jump there,
+//   - at a pause of a channel, at a change of channels, at the end.
+// All channels end at the same tick; a sample behind it is searched again in the next window. Every
+// push commits at most one frame, and does the work of one column.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "fairlead/curve/grid.hpp"
+#include "fairlead/reduce2/vector_channel.hpp"
+
+namespace fairlead::reduce2 {
+
+struct Window {
+    std::int32_t records{114};         // a frame is committed before its oldest record waits longer
+    std::int32_t gap_ticks{32};        // a longer pause of a channel ends its curve; <= 64
+    Cost cost_max{16 * 880};           // 1/16 bit; a frame ends where its cost passes this
+};
+
+/// A frame ends at the next column where its cost comes this near to the most: there its end is
+/// searched as such, and not forced (1/16 bit).
+inline constexpr Cost full_soon = 16 * 80;
+
+/// A committed frame: [start, start + 64 ticks) sub-ticks of the run.
+struct Frame {
+    std::int64_t start_subs{};
+    std::int32_t ticks{};
+    Seam seam{};
+};
+
+/// Why frames ended early or curves broke; counts since the start.
+struct Counts {
+    std::uint32_t frames{}, jumps{}, range{}, cost{}, gaps{}, failures{};
+};
+
+template <class... Channels>
+class Reducer {
+  public:
+    using Values = std::tuple<typename Channels::Value...>;
+    static constexpr std::size_t channel_count = sizeof...(Channels);
+    static constexpr std::int32_t frame_ticks_max = 250;
+
+    static constexpr std::int32_t records_max =
+        std::min({static_cast<std::int32_t>(Channels::window)...});
+    static constexpr std::int32_t records_min = 4;
+
+    /// Records and pause are limited to what the channels hold.
+    void configure(const Window& window) noexcept {
+        window_ = window;
+        if (window_.records > records_max) window_.records = records_max;
+        if (window_.records < records_min) window_.records = records_min;
+        if (window_.gap_ticks > curve::gap_ticks_max) window_.gap_ticks = curve::gap_ticks_max;
+        if (window_.gap_ticks < 1) window_.gap_ticks = 1;
+    }
+    template <std::size_t I>
+    auto& channel() noexcept {
+        return std::get<I>(channels_);
+    }
+    template <std::size_t I>
+    const auto& channel() const noexcept {
+        return std::get<I>(channels_);
+    }
+
+    /// A new run with a grid of its own; nothing is open.
+    void begin(const curve::Grid& grid) noexcept {
+        grid_ = grid;
+        std::apply([](auto&... c) { (c.reset(), ...); }, channels_);
+        waiting_ = behind_ = 0;
+        column_ = 0;
+        started_ = pending_ = false;
+    }
+
+    /// A record at t_ns: values of the channels whose bit in `valid` is set. Behind every earlier
+    /// one of the run by at least curve::spacing_subs_min.
+    /// @param gaps channels, by bit, whose curve must end before this record; where its end, a whole
+    ///     tick, would not be before the record, it goes on
+    /// @param seam how a frame that ends now should hand over; frame().seam tells what was granted
+    /// @param drain called before a frame is committed while an earlier one has not been released:
+    ///     it must finish with that one
+    /// @return true: frame() was committed at this push
+    template <class Drain>
+    bool push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
+              Seam seam, Drain&& drain) noexcept {
+        if ((valid & ((1u << channel_count) - 1u)) == 0) return false;
+        bool committed = started_ && pause(t_ns, gaps, seam, drain);
+        if (!started_) restart_grid(t_ns);
+        curve::Moment at = grid_.moment(t_ns, start_);
+        std::int32_t column = grid_.column(t_ns, start_);
+        if (!committed && column_ > 0 && (column > frame_ticks_max || !reach(values, valid))) {
+            if (column <= frame_ticks_max) ++counts_.range;
+            committed = commit(column_, seam, drain);
+            at = grid_.moment(t_ns, start_);
+            column = grid_.column(t_ns, start_);
+        }
+        ++waiting_;
+        ++behind_;
+        if (committed || column <= column_) column = -1;
+        const bool nearly = cost() + full_soon > window_.cost_max;
+        const bool end = column >= 0 && (waiting_ >= window_.records || stalled() || nearly);
+        bool starts = false;
+        each([&](auto& channel, auto index) {
+            constexpr std::size_t i = decltype(index)::value;
+            if ((valid >> i & 1u) == 0) return;
+            const auto& value = std::get<i>(values);
+            if (!channel.active())
+                starts = true, channel.start(at, value, guess(at.tick));
+            else
+                channel.push(at, value, channel.column_tick() < column ? column : -1, end, seam);
+        });
+        if (column >= 0) {
+            column_ = column;
+            const bool later = at.tick > column || (at.tick == column && at.part > 0.0f);
+            behind_ = later || starts ? 1 : 0;
+        }
+        if (committed) return true;
+        const bool full = cost() > window_.cost_max;
+        if (column >= 0 && (end || full || stalled())) {
+            if (full || nearly) ++counts_.cost;
+            return commit(column_, seam, drain);
+        }
+        if (waiting_ >= window_.records && column_ > 0)
+            return commit(column_, seam, drain);
+        return false;
+    }
+
+    /// Ends all curves at their newest samples. @return true: frame() was committed.
+    template <class Drain>
+    bool flush(Drain&& drain) noexcept {
+        return started_ && end_curves(INT64_MAX, 0, Seam::carry, drain);
+    }
+
+    const Frame& frame() const noexcept { return frame_; }
+    const Counts& counts() const noexcept { return counts_; }
+    const curve::Grid& grid() const noexcept { return grid_; }
+    /// Records that wait in the window.
+    std::int32_t waiting() const noexcept { return waiting_; }
+    /// The committed frame has been coded.
+    void release() noexcept {
+        pending_ = false;
+        std::apply([](auto&... c) { (c.release(), ...); }, channels_);
+    }
+
+  private:
+    template <class F>
+    void each(F&& f) noexcept {
+        each(f, std::index_sequence_for<Channels...>{});
+    }
+    template <class F, std::size_t... I>
+    void each(F& f, std::index_sequence<I...>) noexcept {
+        (f(std::get<I>(channels_), std::integral_constant<std::size_t, I>{}), ...);
+    }
+
+    /// Ticks from `tick` to where the frame is likely to end.
+    std::int32_t guess(std::int32_t tick) const noexcept {
+        const std::int32_t left = window_.records - tick;
+        return left < 1 ? 1 : left < frame_ticks_max ? left : frame_ticks_max;
+    }
+    Cost cost() const noexcept {
+        return std::apply([](auto&... c) { return (Cost{0} + ... + (c.active() ? c.cost() : 0)); },
+                          channels_);
+    }
+    bool stalled() const noexcept {
+        return std::apply([](auto&... c) { return (false || ... || (c.active() && c.stalled())); },
+                          channels_);
+    }
+    bool reach(const Values& values, std::uint32_t valid) noexcept {
+        bool all = true;
+        each([&](auto& channel, auto index) {
+            constexpr std::size_t i = decltype(index)::value;
+            if ((valid >> i & 1u) != 0 && channel.active() && !channel.stalled())
+                all = all && channel.reaches(std::get<i>(values));
+        });
+        return all;
+    }
+    /// Ends the curves of channels without a sample for longer than a curve may be, and of those in
+    /// `gaps`. @return true: a frame was committed for it.
+    template <class Drain>
+    bool pause(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
+        bool any = false;
+        each([&](auto& c, auto index) {
+            any = any || (c.active() && gone(c, t_ns, gaps >> decltype(index)::value));
+        });
+        return any && end_curves(t_ns, gaps, seam, drain);
+    }
+    template <class Channel>
+    bool gone(const Channel& channel, std::int64_t t_ns, std::uint32_t gap) const noexcept {
+        if (t_ns == INT64_MAX) return true;
+        const std::int64_t newest =
+            grid_.time_ns(start_ + std::int64_t{channel.last_tick()} * curve::subs_per_tick);
+        if ((gap & 1u) != 0 && t_ns > newest) return true;
+        return t_ns - newest > std::int64_t{window_.gap_ticks} * grid_.tick_ns();
+    }
+    template <class Drain>
+    bool end_curves(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
+        bool all = true, part = false;  // do all curves end; has one that ends samples in the window?
+        std::int32_t tick = 0;
+        each([&](auto& c, auto index) {
+            if (!c.active()) return;
+            if (!gone(c, t_ns, gaps >> decltype(index)::value)) {
+                all = false;
+            } else if (c.last_tick() > c.start_tick() || c.starts()) {
+                part = true;
+                c.end_at(c.last_tick());
+                if (c.last_tick() > tick) tick = c.last_tick();
+            } else {
+                c.end_at(-1);
+            }
+        });
+        ++counts_.gaps;
+        if (!all && column_ > tick) tick = column_;
+        if (part) return commit(tick, seam, drain);
+        each([&](auto& c, auto index) {
+            if (c.active() && gone(c, t_ns, gaps >> decltype(index)::value)) c.stop();
+        });
+        if (all) started_ = false;
+        return false;
+    }
+    void restart_grid(std::int64_t t_ns) noexcept {
+        start_ = grid_.subs(t_ns);
+        column_ = 0;
+        waiting_ = behind_ = 0;
+        started_ = true;
+    }
+
+    /// Ends the frame at `tick`, behind which no channel has offered a column.
+    template <class Drain>
+    bool commit(std::int32_t tick, Seam seam, Drain& drain) noexcept {
+        if (pending_) drain();
+        release();
+        each([&](auto& channel, auto) {
+            if (channel.active()) seam = channel.close(tick, seam);
+        });
+        bool any = false;
+        const std::int32_t next = guess(behind_);
+        each([&](auto& channel, auto) {
+            channel.commit(tick, seam, next);
+            any = any || channel.active();
+        });
+        frame_ = {start_, tick, seam};
+        pending_ = true;
+        ++counts_.frames;
+        start_ += std::int64_t{tick} * curve::subs_per_tick;
+        column_ = 0;
+        waiting_ = behind_;
+        started_ = any;
+        return true;
+    }
+
+    std::tuple<Channels...> channels_{};
+    curve::Grid grid_{};
+    Window window_{};
+    Frame frame_{};
+    Counts counts_{};
+    std::int64_t start_{0};
+    std::int32_t column_{0};   // of the newest column in the frame
+    std::int32_t waiting_{0};  // records since the oldest that is not committed
+    std::int32_t behind_{0};   // the part of them that is behind the newest column
+    bool started_{false}, pending_{false};
+};
+
+}  // namespace fairlead::reduce2

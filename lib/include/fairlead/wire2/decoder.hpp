@@ -1,0 +1,473 @@
+#pragma once
+// Bytes in, pieces of curves out: the encoder's curves, bit for bit. Includes nothing of the
+// encoder.
+//
+//     for each byte:
+//         if (decoder.push(byte)) {
+//             while (decoder.next(piece)) ...          // pieces of this frame, track by track
+//             while (decoder.next_event(event)) ...
+//         }
+//     while (decoder.finish()) ...                     // as push: the input has ended
+//
+// A frame takes effect when it is parsed: a reader that does not ask for its pieces loses these
+// pieces, and nothing else. The first bytes must hold a header frame, or the reader gives one that
+// it kept (adopt). Work per byte is bounded (wire2/receiver.hpp): beside its tries, a push parses
+// at most `frames_parsed` frames.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "fairlead/wire2/content.hpp"
+#include "fairlead/wire2/events.hpp"
+#include "fairlead/wire2/receiver.hpp"
+
+namespace fairlead::wire2 {
+
+/// A piece of one track, an axis or a rotation, between two vertices of its curve. start < end but
+/// for a curve of a single vertex.
+struct CurvePiece {
+    std::uint8_t channel{0};
+    std::uint8_t axis{0};             // of the channel; 0 for a rotation
+    bool rotates{false};              // 3 components about the anchor; else 1
+    bool begins{false};               // a curve starts: nothing joins it to what was before
+    bool jumps{false};                // the value jumped at the piece's start: a break
+    bool ends{false};                 // the curve ends with this piece
+    bool fresh{false};                // a cubic leads from the slope to that of the chord
+    std::uint8_t code{0};             // curve/lengths.hpp
+    std::int64_t start{0}, end{0};    // sub-ticks since the run's base; Grid::time_ns() gives ns
+    std::array<std::int32_t, 3> v{};  // lattice steps at the start
+    std::array<std::int32_t, 3> s{};  // slope there, 1/960 step a tick
+    std::array<float, 3> rise{};      // steps from start to end
+    Quat anchor{};                    // of a rotation
+    curve::Scale scale{};             // of the lattice: value = steps * scale.step()
+
+    /// Lattice steps of component c, `ticks` after the piece's start, which may have a fraction;
+    /// with Real = double the encoder's guarantee holds for it. A piece holds for times behind its
+    /// start up to its end, the first one of a curve also at its start.
+    template <class Real>
+    Real steps_at(Real ticks, std::size_t c = 0) const noexcept {
+        return static_cast<Real>(v[c]) + polynomial<Real>(c).rise(ticks);
+    }
+    /// Steps a tick, and steps a tick^2.
+    template <class Real>
+    Real rate_at(Real ticks, std::size_t c = 0) const noexcept {
+        return polynomial<Real>(c).rate(ticks);
+    }
+    template <class Real>
+    Real bend_at(Real ticks, std::size_t c = 0) const noexcept {
+        return polynomial<Real>(c).bend(ticks);
+    }
+    template <class Real>
+    curve::Polynomial<Real> polynomial(std::size_t c) const noexcept {
+        if (start == end) return {};
+        const auto h = static_cast<std::int32_t>((end - start) / curve::subs_per_tick);
+        return curve::polynomial<Real>(code, fresh, s[c], static_cast<Real>(rise[c]), h);
+    }
+    /// From the start to the end.
+    double ticks() const noexcept {
+        return static_cast<double>(end - start) / curve::subs_per_tick;
+    }
+};
+
+/// The rotation of a piece, `ticks` after its start.
+template <class Real>
+BasicQuat<Real> rotation_at(const CurvePiece& p, Real ticks) noexcept {
+    const auto step = static_cast<Real>(p.scale.step());
+    const BasicVec3<Real> theta{step * p.steps_at(ticks, 0), step * p.steps_at(ticks, 1),
+                                step * p.steps_at(ticks, 2)};
+    const BasicQuat<Real> anchor{static_cast<Real>(p.anchor.w), static_cast<Real>(p.anchor.x),
+                                 static_cast<Real>(p.anchor.y), static_cast<Real>(p.anchor.z)};
+    return anchor * from_rotation_vector(theta);
+}
+
+/// Axes, Rotations: the most that the stream's channels may hold together. Kinds: of their pieces.
+/// Memory: sizeof. CheckBits: see Receiver.
+template <std::size_t Axes = 3, std::size_t Rotations = 1, class Kinds = KindSet<curve::Smooth>,
+          unsigned CheckBits = 16>
+class Decoder {
+    static_assert(Axes + Rotations <= 16 && Axes <= axes_max * channels_max);
+
+  public:
+    using Layout = Tracks<Axes, Rotations>;
+    using States = TrackStates<Axes, Rotations>;
+    using Frames = Receiver<CheckBits>;
+    static constexpr std::size_t frames_parsed = 7;
+
+    enum class Refused : std::uint8_t {
+        nothing,
+        version,  // a header of another version of the format
+        content,  // a header that tells nonsense
+        shape,    // more axes, rotations or channels than this decoder holds, or another kind
+        foreign,  // a header of another stream than the one that is followed
+    };
+    struct Counters {
+        std::uint32_t headers{0};   // of the stream that is followed
+        std::uint32_t refused{0};   // headers that were not followed; refused() tells why
+        std::uint32_t nonsense{0};  // frames whose checks fitted and whose content was nonsense
+        std::uint32_t breaks{0};    // pieces that jump, as far as they were asked for
+    };
+
+    Decoder() = default;
+    /// Follows this stream alone; otherwise the first one whose header comes.
+    explicit Decoder(std::uint16_t stream_id) noexcept : stream_id_{stream_id}, chosen_{true} {}
+
+    /// @return true: a frame was parsed, ask next() and next_event().
+    bool push(std::uint8_t byte) noexcept {
+        frames_.add(byte);
+        return advance(Frames::tries_per_byte);
+    }
+    /// The input has ended: as push(), for what is left. Call it until it returns false.
+    bool finish() noexcept {
+        frames_.end();
+        return advance(3 * data_frame_max);
+    }
+    /// A header frame that the reader kept from earlier: data can be decoded before the next one
+    /// comes, from a restart frame on, if the stream is still the same. @return false: refused.
+    bool adopt(const std::uint8_t* frame, std::size_t size) noexcept {
+        Header header;
+        const HeaderFault fault = read_header(frame, size, header);
+        header.starts = false;
+        return take_header(fault, header);
+    }
+
+    /// The next piece that the frame tells, track by track. @return false: none is left.
+    bool next(CurvePiece& piece) noexcept {
+        for (;;) {
+            if (step_ == Step::points && point(piece)) return true;
+            if (step_ != Step::pieces || content_.done(layout_)) return false;
+            if (step(piece)) return true;
+        }
+    }
+    /// The next event that the frame tells, each only once. @return false: none is left.
+    bool next_event(Event& event) noexcept { return events_.next(event); }
+
+    bool in_step() const noexcept { return frames_.in_step(); }
+    /// The stream that is followed. run_index counts runs from 1; 0: no header yet. Two runs may
+    /// have the same number in the stream (a board that was reset), never the same index.
+    std::uint16_t stream_id() const noexcept { return stream_id_; }
+    std::uint16_t run() const noexcept { return run_; }
+    std::uint32_t run_index() const noexcept { return run_index_; }
+    const curve::Grid& grid() const noexcept { return grid_; }
+    const Layout& layout() const noexcept { return layout_; }
+    /// Tolerance over lattice step of a channel, as the stream tells it.
+    float tolerance_steps(std::size_t channel) const noexcept {
+        return static_cast<float>(tolerance_[channel]) * (1.0f / 32768.0f);
+    }
+    /// Of the latest frame, in sub-ticks.
+    std::int64_t frame_start() const noexcept { return head_.start; }
+    std::int64_t frame_end() const noexcept { return head_.end; }
+    /// The state at the end of the latest frame: equal in all readers that are in step.
+    const States& states() const noexcept { return states_; }
+    Refused refused() const noexcept { return refused_; }
+    const Counters& counters() const noexcept { return counters_; }
+    const typename Frames::Counters& frame_counters() const noexcept { return frames_.counters(); }
+    const EventReader::Counters& event_counters() const noexcept { return events_.counters(); }
+
+  private:
+    using Frame = typename Frames::Frame;
+    using Found = typename Frames::Found;
+    using Reader = Content<code::RangeDecoder, Axes, Rotations, Kinds>;
+    enum class Step : std::uint8_t { none, points, pieces };
+
+    bool advance(std::size_t tries) noexcept {
+        step_ = Step::none;
+        events_.close();
+        for (std::size_t i = 0; i < 4; ++i) {
+            const Found found = frames_.find(tries);
+            const Frame& frame = frames_.frame();
+            if (found == Found::nothing) return false;
+            if (found == Found::header) {
+                Header header;
+                const HeaderFault fault = read_header(frame.data, frame.size, header);
+                take_header(fault, header);
+            } else if (found == Found::events) {
+                if (events_.parse(frame.data + 2, frame.size - 2 - crc_size, grid_.base_ns))
+                    return true;
+            } else if (found == Found::data) {
+                if (take_frame(frame)) return true;
+                frames_.refuse_frame();
+            } else if (agrees()) {
+                frames_.accept();
+            } else {
+                ++counters_.nonsense;
+                frames_.refuse();
+            }
+        }
+        return false;
+    }
+
+    bool take_header(HeaderFault fault, const Header& header) noexcept {
+        const StreamShape& shape = header.shape;
+        refused_ = fault == HeaderFault::unknown_version      ? Refused::version
+                   : fault != HeaderFault::none               ? Refused::content
+                   : chosen_ && shape.stream_id != stream_id_ ? Refused::foreign
+                   : !fits(shape)                             ? Refused::shape
+                                                              : Refused::nothing;
+        if (refused_ != Refused::nothing) {
+            ++counters_.refused;
+            return false;
+        }
+        ++counters_.headers;
+        if (header.starts || run_index_ == 0 || header.digest != frames_.header_digest()) {
+            ++run_index_;
+            states_ = {};
+        }
+        chosen_ = true;
+        stream_id_ = shape.stream_id;
+        run_ = shape.run;
+        grid_ = {shape.base_ns, shape.timing.sub_ns};
+        timing_ = shape.timing;
+        lay_out(shape);
+        frames_.follow_header(shape.timing, header.digest, header.end, header.starts);
+        return true;
+    }
+    static bool fits(const StreamShape& shape) noexcept {
+        std::size_t axes = 0, rotations = 0;
+        bool good = shape.channels <= Layout::channels_most && shape.timing.sub_ns > 0;
+        for (std::size_t c = 0; c < shape.channels && good; ++c) {
+            const ChannelShape& channel = shape.channel[c];
+            const bool rotates = channel.type == ChannelType::orientation;
+            (rotates ? rotations : axes) += rotates ? 1 : channel.axes;
+            good = Kinds::has(channel.kind);
+            for (std::size_t i = 0; i < channel.steps() && good; ++i) {
+                const Step_ step = channel.step[i];
+                good = curve::Scale::valid(step.mantissa, step.exponent);
+                // the grid of rotations counts in 16 bits
+                if (rotates)
+                    good = good && curve::Scale{step.mantissa, step.exponent}.step() >= 1e-4;
+            }
+        }
+        return good && axes <= Axes && rotations <= Rotations;
+    }
+    using Step_ = wire2::Step;
+
+    void lay_out(const StreamShape& shape) noexcept {
+        layout_ = {};
+        layout_.channels = shape.channels;
+        std::size_t axes = 0, rotations = 0;
+        for (std::size_t c = 0; c < shape.channels; ++c) {
+            const ChannelShape& channel = shape.channel[c];
+            const bool rotates = channel.type == ChannelType::orientation;
+            TrackRange& range = layout_.channel[c];
+            range = {rotates, static_cast<std::uint8_t>(rotates ? rotations : axes),
+                     rotates ? std::uint8_t{1} : channel.axes, channel.kind};
+            tolerance_[c] = channel.tolerance;
+            for (std::size_t i = 0; i < range.count; ++i) {
+                const curve::Scale scale{channel.step[i].mantissa, channel.step[i].exponent};
+                if (rotates)
+                    layout_.turn[rotations++] = scale;
+                else
+                    layout_.scale[axes++] = scale;
+            }
+        }
+    }
+
+    /// Parses the frame as a whole. @return false: nonsense; the states are then of no use.
+    bool parse(const Frame& frame, std::int64_t before, bool joins, States& states,
+               FrameHead& head) const noexcept {
+        code::RangeDecoder io{frame.payload(), frame.payload_size()};
+        Reader reader;
+        if (!open(io, reader, before, joins, states, head)) return false;
+        if (joins && !timing_.independent) {
+            reader.join(layout_, states);
+            return true;
+        }
+        for (bool good = true; !reader.done(layout_);) {
+            if (layout_.channel[reader.place().channel].rotates) {
+                if constexpr (Rotations > 0) {
+                    curve::Piece<3> piece;
+                    good = reader.piece(io, layout_, states, piece);
+                }
+            } else if constexpr (Axes > 0) {
+                curve::Piece<1> piece;
+                good = reader.piece(io, layout_, states, piece);
+            }
+            if (!good || !io.ok()) return false;
+        }
+        reader.close(layout_, states);
+        return io.finished();
+    }
+    bool open(code::RangeDecoder& io, Reader& reader, std::int64_t before, bool joins,
+              States& states, FrameHead& head) const noexcept {
+        if (joins) states = {};
+        const Reading reading = !joins                ? Reading::in_step
+                                : timing_.independent ? Reading::lone
+                                                      : Reading::joining;
+        return code_head(io, head, timing_, before, joins) &&
+               reader.open(io, layout_, states, head, timing_.independent, reading);
+    }
+
+    bool take_frame(const Frame& frame) noexcept {
+        const bool joins = frames_.joining();
+        walk_ = states_;
+        FrameHead head;
+        if (!parse(frame, frame.before, joins, walk_, head)) {
+            ++counters_.nonsense;
+            return false;
+        }
+        std::swap(walk_, states_);  // what follows is told again, from the states before
+        head_ = head;
+        point_ = 0;
+        content_ = {};
+        io_ = {frame.payload(), frame.payload_size()};
+        if (joins) pending_ = 0xffff;
+        if (joins && !timing_.independent) return true;  // nothing to draw before the next frame
+        open(io_, content_, frame.before, joins, walk_, head);
+        begin_curves();
+        step_ = Step::points;
+        return true;
+    }
+    /// Do the frames of the chain make sense one after another?
+    bool agrees() const noexcept {
+        States states = states_;
+        std::int64_t before = frames_.chain_base();
+        for (std::size_t i = 0; i < frames_.chain_size(); ++i) {
+            FrameHead head;
+            if (!parse(frames_.chain_frame(i), before, i == 0 && frames_.chain_joins(), states,
+                       head))
+                return false;
+            before = head.end;
+        }
+        return true;
+    }
+
+    // ---- telling a frame again, piece by piece
+
+    void describe(CurvePiece& piece, std::size_t channel, std::size_t track) const noexcept {
+        const TrackRange& range = layout_.channel[channel];
+        piece = {};
+        piece.channel = static_cast<std::uint8_t>(channel);
+        piece.axis = static_cast<std::uint8_t>(track);
+        piece.rotates = range.rotates;
+        if (range.rotates) {
+            const curve::RotationState& state = walk_.rotation[range.first];
+            piece.v = state.chart.v;
+            piece.s = state.chart.s;
+            piece.fresh = state.chart.fresh;
+            piece.anchor = state.anchor;
+            piece.scale = layout_.turn[range.first];
+        } else {
+            const curve::State<1>& state = walk_.axis[range.first + track];
+            piece.v[0] = state.v[0];
+            piece.s[0] = state.s[0];
+            piece.fresh = state.fresh;
+            piece.scale = layout_.scale[range.first + track];
+        }
+    }
+    /// Curves of a single vertex, and those that ended with the frame before, have no piece here:
+    /// told as pieces without duration.
+    bool point(CurvePiece& piece) noexcept {
+        while (point_ < Axes + Rotations) {
+            std::size_t channel = 0, track = point_++;
+            while (channel < layout_.channels && track >= layout_.channel[channel].count)
+                track -= layout_.channel[channel++].count;
+            if (channel >= layout_.channels) break;
+            const ChannelFrame& frame = content_.channel[channel];
+            if (!frame.present || frame.goes_on || frame.start_tick != frame.end_tick) continue;
+            describe(piece, channel, track);
+            piece.code = curve::code::jump;
+            piece.begins = take_pending(channel, track);
+            piece.ends = true;
+            piece.start = piece.end = head_.start + frame.start_tick * sub_per_tick;
+            return true;
+        }
+        step_ = Step::pieces;
+        return false;
+    }
+    /// @return false: the piece is not to be told, its slope is not known.
+    bool step(CurvePiece& piece) noexcept {
+        const typename Reader::Place place = content_.place();
+        const ChannelFrame& frame = content_.channel[place.channel];
+        describe(piece, place.channel, place.track);
+        piece.end = head_.start + frame.end_tick * sub_per_tick - place.left;
+        piece.start = piece.end;
+        bool hidden = (walk_.hidden >> place.channel & 1u) != 0 && piece.fresh;
+        if (piece.rotates) {
+            if constexpr (Rotations > 0) {
+                if (!step_rotation(piece)) return false;
+            }
+        } else if constexpr (Axes > 0) {
+            const std::size_t a = layout_.channel[place.channel].first + std::size_t{place.track};
+            curve::Piece<1> next;
+            content_.piece(io_, layout_, walk_, next);
+            finish_piece(piece, next.code, next.subs);
+            const std::int32_t rise = walk_.axis[a].v[0] - piece.v[0];
+            if (piece.jumps)
+                piece.v[0] = walk_.axis[a].v[0];
+            else
+                piece.rise[0] = static_cast<float>(rise);
+        }
+        if (piece.jumps) ++counters_.breaks;
+        hidden = hidden && !piece.jumps;
+        if (!hidden) piece.begins = take_pending(place.channel, place.track);
+        piece.ends = !frame.goes_on && piece.end == head_.start + frame.end_tick * sub_per_tick;
+        return !hidden;
+    }
+    /// Is the track's curve told for the first time?
+    bool take_pending(std::size_t channel, std::size_t track) noexcept {
+        const TrackRange& range = layout_.channel[channel];
+        const std::size_t place = range.first + track + (range.rotates ? Axes : 0);
+        const auto bit = static_cast<std::uint16_t>(1u << place);
+        const bool pending = (pending_ & bit) != 0;
+        pending_ = static_cast<std::uint16_t>(pending_ & ~bit);
+        return pending;
+    }
+    void begin_curves() noexcept {
+        for (std::size_t c = 0; c < layout_.channels; ++c) {
+            const TrackRange& range = layout_.channel[c];
+            if (!content_.channel[c].starts) continue;
+            const auto tracks = ((1u << range.count) - 1u)
+                                << (range.first + (range.rotates ? Axes : 0));
+            pending_ = static_cast<std::uint16_t>(pending_ | tracks);
+        }
+    }
+    bool step_rotation(CurvePiece& piece) noexcept {
+        const TrackRange& range = layout_.channel[piece.channel];
+        const typename Reader::Place place = content_.place();
+        curve::Piece<3> next;
+        content_.piece(io_, layout_, walk_, next);
+        if (next.code == curve::code::rebase) return false;
+        finish_piece(piece, next.code, next.subs);
+        const float step = layout_.step(range.first);
+        const curve::RotationState& after = walk_.rotation[range.first];
+        const bool told = next.subs == place.left && content_.ends_told(place.channel, true);
+        const std::array<float, 3> end =
+            told ? curve::place(piece.anchor, after.anchor, step)
+                 : std::array<float, 3>{static_cast<float>(after.chart.v[0]),
+                                        static_cast<float>(after.chart.v[1]),
+                                        static_cast<float>(after.chart.v[2])};
+        if (piece.jumps) {  // the value holds after the jump, until the piece ends
+            for (std::size_t c = 0; c < 3; ++c) piece.v[c] += next.k[c];
+            return true;
+        }
+        for (std::size_t c = 0; c < 3; ++c) piece.rise[c] = end[c] - static_cast<float>(piece.v[c]);
+        return true;
+    }
+    void finish_piece(CurvePiece& piece, std::uint8_t code, std::int32_t subs) noexcept {
+        piece.code = code;
+        piece.jumps = code == curve::code::jump;
+        piece.end = piece.start + subs;
+    }
+
+    Frames frames_{};
+    EventReader events_{};
+    Layout layout_{};
+    States states_{}, walk_{};
+    Reader content_{};
+    code::RangeDecoder io_{};
+    FrameHead head_{};
+    FrameTiming timing_{};
+    curve::Grid grid_{};
+    Counters counters_{};
+    std::array<std::uint16_t, Layout::channels_most> tolerance_{};
+    std::uint32_t run_index_{0};
+    std::uint16_t stream_id_{0}, run_{0};
+    std::uint16_t pending_{0};  // tracks whose next piece begins a curve, as far as it was told
+    std::uint8_t point_{0};
+    Step step_{Step::none};
+    Refused refused_{Refused::nothing};
+    bool chosen_{false};
+};
+
+}  // namespace fairlead::wire2

@@ -1,0 +1,412 @@
+#pragma once
+// Records in, frames out: the reducer, the frames that carry what it commits, headers, events.
+//
+// A frame that the reducer has committed is coded in portions during the pushes that follow, so
+// that no push does the work of a whole frame; it has left `spare` pushes later at the latest. What
+// of the delay remains is the reducer's window. Header frames and event frames leave before data
+// frames of the same push.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "fairlead/base/bytes.hpp"
+#include "fairlead/base/types.hpp"
+#include "fairlead/reduce2/reducer.hpp"
+#include "fairlead/reduce2/rotation_channel.hpp"
+#include "fairlead/wire2/encoder_params.hpp"
+#include "fairlead/wire2/events.hpp"
+#include "fairlead/wire2/frame_writer.hpp"
+
+namespace fairlead::wire2 {
+
+/// Sizes of a search (reduce2/beam.hpp): wider costs work and memory, and saves bytes.
+using Small = reduce2::Beam<2, 24>;
+using Medium = reduce2::Beam<3, 32>;
+using Large = reduce2::Beam<8, 64>;
+
+/// A channel of D numbers, each within its tolerance by itself.
+template <std::size_t D, class BeamT = Medium, class KindT = curve::Smooth>
+struct Vector {
+    using Kind = KindT;
+    using Value = std::array<float, D>;
+    template <std::size_t Window>
+    using Channel = reduce2::VectorChannel<D, Kind, BeamT, Window>;
+    static constexpr std::size_t axes = D, rotations = 0;
+    static constexpr float tolerance_min = 1e-6f, tolerance_max = 1e6f;
+};
+/// A channel of orientations, within its tolerance as a rotation angle.
+template <class BeamT = Medium, class KindT = curve::Smooth>
+struct Orientation {
+    using Kind = KindT;
+    using Value = Quat;
+    template <std::size_t Window>
+    using Channel = reduce2::RotationChannel<Kind, BeamT, Window>;
+    static constexpr std::size_t axes = 0, rotations = 1;
+    static constexpr float tolerance_min = reduce2::rotation_tolerance_min_rad,
+                           tolerance_max = 0.5f;
+};
+
+/// Records: the largest delay_records. Events: discrete events that may wait between two records,
+/// and channels of them that a late reader learns of; 0 to 6. Memory: sizeof.
+template <std::size_t Records, std::size_t Events, class... Channels>
+class Encoder {
+    static_assert(sizeof...(Channels) >= 1 && sizeof...(Channels) <= channels_max,
+                  "an encoder has 1 to 4 channels");
+    static_assert(Records >= 8 && Records <= 246, "an encoder delays by 8 to 246 records");
+
+  public:
+    static constexpr std::size_t channel_count = sizeof...(Channels);
+    static constexpr std::size_t axes = (0 + ... + Channels::axes);
+    static constexpr std::size_t rotations = (0 + ... + Channels::rotations);
+    using Kind = typename std::tuple_element_t<0, std::tuple<Channels...>>::Kind;
+    static_assert((std::is_same_v<Kind, typename Channels::Kind> && ...),
+                  "the channels of a stream have pieces of one kind");
+    using Kinds = KindSet<Kind>;
+    using Params = EncoderParams<channel_count>;
+    using Values = std::tuple<typename Channels::Value...>;
+
+    /// Pushes from the commit of a frame to its last byte, by the delay: short windows are coded at
+    /// once.
+    static constexpr std::uint32_t spare(std::uint32_t delay_records) noexcept {
+        return delay_records >= 24 ? 2 : 0;
+    }
+    static constexpr std::size_t window_max = Records - spare(Records) + 1;
+
+    static constexpr Check check(const Params& params) noexcept {
+        const Check ranges = fairlead::detail::check_ranges(params);
+        if (!ranges) return ranges;
+        if (params.delay_records > Records) return {Status::bad_argument, "delay_records"};
+        constexpr float least[] = {Channels::tolerance_min...},
+                        most[] = {Channels::tolerance_max...};
+        for (std::size_t i = 0; i < channel_count; ++i)
+            if (!(params.tolerance[i] >= least[i] && params.tolerance[i] <= most[i]))
+                return {Status::bad_argument, "tolerance"};
+        return {};
+    }
+    /// What an intake before this encoder may let through.
+    static constexpr IntakeLimits limits(const Params& params) noexcept {
+        IntakeLimits limits;
+        const std::int64_t tick = curve::Grid::of_period(0, params.sample_period_ns).tick_ns();
+        limits.spacing_min_ns = (tick * curve::spacing_subs_min + 63) / 64;
+        limits.gap_ns_max = curve::gap_ticks_max * tick;
+        limits.gap_ns = params.gap_ns > 0 ? params.gap_ns : default_gap_ns(params.sample_period_ns);
+        if (limits.gap_ns > limits.gap_ns_max) limits.gap_ns = limits.gap_ns_max;
+        // sub-ticks of a run fit run_max
+        limits.run_ns_max = tick / 64 < 32 ? (tick / 64) * (run_max / 2) : IntakeLimits::run_ns;
+        return limits;
+    }
+
+    /// Refused parameters give an inert encoder: every push says bad_argument. See check().
+    explicit Encoder(const Params& params) noexcept : params_{params} {
+        good_ = check(params_).status == Status::ok;
+        if (!good_) return;
+        period_ns_ = params_.sample_period_ns;
+        run_ = static_cast<std::uint16_t>(params_.run - 1u);
+        spare_ = spare(params_.delay_records);
+        configure(std::index_sequence_for<Channels...>{});
+    }
+
+    /// A record at t_ns: values of the channels whose bit in `valid` is set; `gaps`: channels whose
+    /// curve must not go on over what is before. Times of a run rise by limits().spacing_min_ns at
+    /// least; new_run: t_ns has nothing to do with the times before. @return whole frames, if any.
+    Bytes push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
+               bool new_run) noexcept {
+        size_ = 0;
+        if (!good_) return {nullptr, 0, Status::bad_argument};
+        if (new_run || !running_) begin_run(t_ns);
+        const reduce2::Seam seam = seam_at(t_ns);
+        const auto drain = [this] { finish_frame(); };
+        const bool committed = reducer_.push(t_ns, values, valid, gaps, seam, drain);
+        now_ns_ = t_ns;
+        if (committed)
+            open_frame();
+        else if (coding_ && ++waited_ >= spare_)
+            finish_frame();
+        else if (coding_)
+            code_pieces(portion_);
+        if (coding_ && spare_ == 0) finish_frame();
+        let_out_events(size_ > 0 ? 0 : params_.event_delay_records);
+        return bytes();
+    }
+    /// An event of a discrete channel; it leaves with the next record, at most event_delay_records
+    /// later. @return false: Events of them wait already, and it is not taken.
+    bool push_event(const Event& event) noexcept { return good_ && events_.push(event); }
+    /// Instead of push(), where no record has come: lets out events alone.
+    Bytes idle() noexcept {
+        size_ = 0;
+        if (!good_) return {nullptr, 0, Status::bad_argument};
+        let_out_events(params_.event_delay_records);
+        return bytes();
+    }
+    /// Lets everything out; what comes later starts new curves.
+    Bytes flush() noexcept {
+        size_ = 0;
+        if (!good_) return {nullptr, 0, Status::bad_argument};
+        end_curves();
+        let_out_events(0);
+        return bytes();
+    }
+    /// Forgets what has not left; the next record begins a new run.
+    void reset() noexcept {
+        coding_ = running_ = false;
+        size_ = 0;
+    }
+    /// The sample period of runs that begin from now on.
+    void set_period(std::int64_t sample_period_ns) noexcept {
+        if (sample_period_ns >= sample_period_min_ns && sample_period_ns <= sample_period_max_ns)
+            period_ns_ = sample_period_ns;
+    }
+
+    const auto& reducer() const noexcept { return reducer_; }
+    std::uint32_t frames() const noexcept { return frames_; }
+    std::uint32_t restarts() const noexcept { return restarts_; }
+    /// Frames that did not fit into their bytes: never, by the bound of their cost.
+    std::uint32_t overflows() const noexcept { return overflows_; }
+    std::uint32_t refused_events() const noexcept { return events_.refused(); }
+    std::uint16_t run() const noexcept { return run_; }
+
+  private:
+    using Reducer = reduce2::Reducer<typename Channels::template Channel<window_max>...>;
+    using Writer = FrameWriter<axes, rotations, Kinds>;
+    static constexpr std::size_t header_max = header_size_max(channel_count, axes + rotations);
+    // a frame that was being coded and one that a new run or a flush ends, each with a header
+    static constexpr std::size_t out_max =
+        2 * (data_frame_max + header_max) + EventSender<Events>::frame_max;
+    // head 60; channels: flags 8, values and slopes of a vector, two grids and slopes of a rotation
+    static constexpr std::size_t overhead_bits =
+        60 + (0 + ... + (8 + (Channels::axes > 0 ? 2 * (5 + 32 * Channels::axes) : 174)));
+
+    /// What one column of the search may add to a frame.
+    static constexpr std::size_t column_bits =
+        (0 + ... + Channels::template Channel<window_max>::column_bits_max);
+    static_assert(8 * payload_max > overhead_bits + column_bits + 400,
+                  "the channels are too many for a frame");
+
+    template <std::size_t... I>
+    void configure(std::index_sequence<I...>) noexcept {
+        (reducer_.template channel<I>().configure(params_.tolerance[I]), ...);
+        reduce2::Window window;
+        // the oldest record of a frame waits for records - 1 pushes, and for the coding
+        window.records = static_cast<std::int32_t>(params_.delay_records - spare_ + 1);
+        const std::int64_t tick = curve::Grid::of_period(0, params_.sample_period_ns).tick_ns();
+        window.gap_ticks = static_cast<std::int32_t>(limits(params_).gap_ns / tick);
+        window.cost_max = 16 * (8 * payload_max - overhead_bits - column_bits);
+        reducer_.configure(window);
+        const auto pieces = static_cast<std::uint32_t>((axes + rotations) * window_max);
+        portion_ = spare_ > 0 ? (pieces + spare_ - 1) / spare_ : pieces;
+    }
+
+    // ---- runs
+
+    void begin_run(std::int64_t t_ns) noexcept {
+        if (running_) end_curves();
+        running_ = true;
+        ++run_;
+        grid_ = curve::Grid::of_period(t_ns, period_ns_);
+        reducer_.begin(grid_);
+        header_ = {};
+        StreamShape& s = header_.shape;
+        s.stream_id = params_.stream_id;
+        s.run = run_;
+        s.base_ns = t_ns;
+        s.timing.sub_ns = grid_.sub_ns;
+        s.timing.time_bits = time_bits();
+        s.timing.independent = params_.restart_interval_ns == every_frame_ns;
+        s.timing.usual_ticks = static_cast<std::uint16_t>(params_.delay_records - spare_);
+        s.channels = channel_count;
+        Tracks<axes, rotations> layout;
+        layout.channels = channel_count;
+        lay_out(layout, s, std::index_sequence_for<Channels...>{});
+        header_.starts = true;
+        header_ns_ = restart_ns_ = t_ns;
+        put_header();
+        writer_.begin_run(layout, s.timing, header_.digest, 0);
+        header_.starts = false;
+        events_.repeat();
+    }
+    template <std::size_t... I>
+    void lay_out(Tracks<axes, rotations>& layout, StreamShape& shape,
+                 std::index_sequence<I...>) noexcept {
+        std::uint8_t axis = 0, rotation = 0;
+        const auto one = [&](auto index, const auto& channel, bool rotates, std::uint8_t count) {
+            constexpr std::size_t i = decltype(index)::value;
+            ChannelShape& c = shape.channel[i];
+            const curve::Scale scale = channel.scale();
+            c.type = rotates ? ChannelType::orientation : ChannelType::vector;
+            c.kind = Kind::id;
+            c.axes = rotates ? std::uint8_t{3} : count;
+            c.step.fill({scale.m, static_cast<std::int8_t>(scale.e)});
+            const float ratio = params_.tolerance[i] / static_cast<float>(scale.step()) * 32768.0f;
+            c.tolerance = static_cast<std::uint16_t>(ratio < 65534.0f ? ratio + 1.0f : 65535.0f);
+            layout.channel[i] = {rotates, rotates ? rotation : axis,
+                                 rotates ? std::uint8_t{1} : count, Kind::id};
+            if (rotates) {
+                if constexpr (rotations > 0) layout.turn[rotation++] = scale;
+            } else {
+                if constexpr (axes > 0)
+                    for (std::uint8_t k = 0; k < count; ++k) layout.scale[axis++] = scale;
+            }
+        };
+        (one(std::integral_constant<std::size_t, I>{}, reducer_.template channel<I>(),
+             Channels::rotations > 0, static_cast<std::uint8_t>(Channels::axes)),
+         ...);
+    }
+    /// Bits of a time that, with the tries of a reader, tell it within two header intervals.
+    std::uint8_t time_bits() const noexcept {
+        if (params_.header_interval_ns == never_ns) return 40;
+        const std::int64_t ticks = 2 * (params_.header_interval_ns / grid_.tick_ns() + 1);
+        std::uint8_t bits = 8;
+        while (bits < 40 && (std::int64_t{unwraps} << bits) < ticks) ++bits;
+        return bits;
+    }
+    void put_header() noexcept {
+        header_.end = writer_.link().end;
+        if (header_.starts) header_.end = 0;
+        if (out_max - size_ < header_max) return;
+        size_ += write_header(header_, out_.data() + size_);
+    }
+
+    // ---- frames
+
+    /// How a frame that ends now should hand over.
+    reduce2::Seam seam_at(std::int64_t t_ns) const noexcept {
+        if (params_.restart_interval_ns == every_frame_ns) return reduce2::Seam::independent;
+        // two restart frames never follow each other: the frame between lets a reader trust the
+        // first
+        if (reducer_.frame().seam == reduce2::Seam::restart) return reduce2::Seam::carry;
+        // the next frame, as long as a usual one, would end too late
+        const std::int64_t next =
+            t_ns - restart_ns_ + grid_.tick_ns() * std::int64_t{params_.delay_records - spare_};
+        return next > params_.restart_interval_ns ? reduce2::Seam::restart : reduce2::Seam::carry;
+    }
+
+    void open_frame() noexcept {
+        const reduce2::Frame& frame = reducer_.frame();
+        auto& coder = writer_.prepare();
+        prepare(coder, frame.ticks, std::index_sequence_for<Channels...>{});
+        FrameHead head;
+        head.start = frame.start_subs;
+        head.end = frame.start_subs + std::int64_t{frame.ticks} * sub_per_tick;
+        head.restart = frame.seam != reduce2::Seam::carry;
+        coded_ = writer_.open(head);
+        coding_ = true;
+        waited_ = 0;
+    }
+    template <class Coder, std::size_t... I>
+    void prepare(Coder& coder, std::int32_t ticks, std::index_sequence<I...>) noexcept {
+        std::size_t axis = 0, rotation = 0;
+        const auto one = [&](auto index) {
+            constexpr std::size_t i = decltype(index)::value;
+            using Tag = std::tuple_element_t<i, std::tuple<Channels...>>;
+            const auto& s = reducer_.template channel<i>().segment();
+            ChannelFrame& frame = coder.channel[i];
+            frame.present = s.present;
+            frame.starts = s.present && s.starts;
+            frame.goes_on = s.present && !s.ends;
+            frame.start_tick = static_cast<std::uint8_t>(s.start_tick);
+            frame.end_tick = static_cast<std::uint8_t>(s.present && s.ends ? s.end_tick : ticks);
+            if constexpr (Tag::rotations > 0) {
+                coder.first_grid[rotation] = s.start_grid;
+                coder.told_grid[rotation] = s.end_grid;
+                if (frame.starts) writer_.states.rotation[rotation] = s.start;
+                ++rotation;
+            } else {
+                for (std::size_t k = 0; k < Tag::axes; ++k, ++axis) {
+                    coder.told[axis] = s.end_v[k];
+                    if (frame.starts) writer_.states.axis[axis] = s.start[k];
+                }
+            }
+        };
+        (one(std::integral_constant<std::size_t, I>{}), ...);
+        if constexpr (rotations > 0) keep_grids(coder);
+    }
+    /// An independent frame tells at its start the grid on which the frame before ended.
+    template <class Coder>
+    void keep_grids(Coder& coder) noexcept {
+        for (std::size_t c = 0; c < channel_count; ++c) {
+            const TrackRange& range = writer_.layout().channel[c];
+            if (!range.rotates) continue;
+            if (header_.shape.timing.independent && !coder.channel[c].starts)
+                coder.first_grid[range.first] = grids_[range.first];
+            grids_[range.first] = coder.told_grid[range.first];
+        }
+    }
+    /// At most so many pieces. @return true: all of the frame is coded.
+    bool code_pieces(std::uint32_t most) noexcept {
+        for (; most > 0 && coded_ && !writer_.done(); --most)
+            coded_ = code_piece(std::index_sequence_for<Channels...>{});
+        return !coded_ || writer_.done();
+    }
+    template <std::size_t... I>
+    bool code_piece(std::index_sequence<I...>) noexcept {
+        const auto place = writer_.place();
+        bool good = false;
+        static_cast<void>(((place.channel == I && (good = piece_of<I>(place.track), true)) || ...));
+        return good;
+    }
+    template <std::size_t I>
+    bool piece_of(std::size_t track) noexcept {
+        auto& channel = reducer_.template channel<I>();
+        typename std::remove_reference_t<decltype(channel)>::PieceType piece{};
+        return channel.next(track, piece) && writer_.piece(piece);
+    }
+
+    void finish_frame() noexcept {
+        if (!coding_) return;
+        coding_ = false;
+        while (!code_pieces(portion_)) {
+        }
+        const std::size_t size = coded_ ? writer_.close() : 0;
+        reducer_.release();
+        if (size == 0 || out_max - size_ < size + header_max + EventSender<Events>::frame_max) {
+            ++overflows_;
+            return;
+        }
+        const bool restart = writer_.head().restart;
+        if (now_ns_ - header_ns_ >= params_.header_interval_ns) {
+            header_ns_ = now_ns_;
+            put_header();
+        }
+        if (restart) {
+            restart_ns_ = grid_.time_ns(writer_.head().end);
+            ++restarts_;
+            if (!header_.shape.timing.independent) events_.repeat();
+        }
+        ++frames_;
+        for (std::size_t i = 0; i < size; ++i) out_[size_ + i] = writer_.data()[i];
+        size_ += size;
+    }
+    void end_curves() noexcept {
+        finish_frame();
+        const auto drain = [this] { finish_frame(); };
+        if (reducer_.flush(drain)) {
+            open_frame();
+            finish_frame();
+        }
+    }
+    void let_out_events(std::uint32_t hold) noexcept {
+        if (!running_ || out_max - size_ < EventSender<Events>::frame_max) return;
+        size_ += events_.frame(out_.data() + size_, hold, header_.digest, grid_.base_ns);
+    }
+    Bytes bytes() const noexcept { return {out_.data(), size_, Status::ok}; }
+
+    Params params_;
+    Reducer reducer_{};
+    Writer writer_{};
+    EventSender<Events> events_{};
+    Header header_{};
+    curve::Grid grid_{};
+    std::array<curve::GridQuat, rotations> grids_{};
+    std::array<std::uint8_t, out_max> out_{};
+    std::int64_t now_ns_{0}, header_ns_{0}, restart_ns_{0}, period_ns_{0};
+    std::size_t size_{0};
+    std::uint32_t spare_{0}, waited_{0}, portion_{1};
+    std::uint32_t frames_{0}, restarts_{0}, overflows_{0};
+    std::uint16_t run_{0};
+    bool good_{false}, running_{false}, coding_{false}, coded_{false};
+};
+
+}  // namespace fairlead::wire2

@@ -1,0 +1,119 @@
+// Searches random streams through whole pipelines for a broken promise: a record that is accepted
+// and lies outside its tolerance, or is covered late or not at all, or a stream that its reader
+// does not understand.
+//
+//     build/pipeline-search [--streams 1000] [--seed 1] [--records 300]
+//
+// Prints totals; names the seed of the first stream that breaks a promise, and fails.
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "tests/pipeline/pipeline_check.hpp"
+#include "tests/pipeline/streams.hpp"
+
+namespace {
+
+using namespace fairlead;
+using test::Verdict;
+
+template <class Chosen, std::size_t Delay, Beam Width, class AFilter = NoFilter>
+struct BoardOf {
+    using Input = Pose;
+    using Channels = Chosen;
+    using Filter = AFilter;
+    static constexpr std::size_t delay_records_max = Delay;
+    static constexpr Beam beam = Width;
+    static constexpr std::size_t events_max = 0;
+};
+using Both = Channels<Position, Orientation>;
+
+template <class Board>
+Verdict run(test::Streams& s, int records) {
+    typename Pipeline2<Board>::Params params;
+    draw(params, s, Board::delay_records_max);
+    float metres = 0.001f, radians = 0.0043633f;
+    if constexpr (Board::Channels::template has<Position>) {
+        if (s.chance(0.5)) metres = static_cast<float>(std::pow(10, s.uniform(-6, 2)));
+        params.tolerance.position_m = metres;
+    }
+    if constexpr (Board::Channels::template has<Orientation>) {
+        if (s.chance(0.5)) radians = static_cast<float>(std::pow(10, s.uniform(-3.9, -0.31)));
+        params.tolerance.orientation_rad = radians;
+    }
+    test::PipelineCheck<Board> check{params};
+    if (!check.chain().check()) {
+        std::printf("refused: %s\n", check.chain().check().field);
+        std::exit(1);
+    }
+    for (int i = 0; i < records; ++i) {
+        check.push(s.pose(metres, radians));
+        if (s.chance(0.01)) check.idle();
+        if (s.chance(0.001)) check.flush();
+    }
+    check.finish();
+    return check.verdict();
+}
+
+Verdict stream(std::uint64_t seed, int records) {
+    test::Streams s{seed};
+#ifdef QUICK
+    s.below(6);
+    return run<BoardOf<Channels<Position>, 60, Beam::small>>(s, records);
+#endif
+    switch (s.below(6)) {
+        case 0: return run<BoardOf<Both, 120, Beam::medium>>(s, records);
+        case 1: return run<BoardOf<Channels<Position>, 60, Beam::small>>(s, records);
+        case 2: return run<BoardOf<Channels<Orientation>, 16, Beam::small>>(s, records);
+        case 3: return run<BoardOf<Both, 32, Beam::small, PoseFilter<5>>>(s, records);
+        case 4: return run<BoardOf<Channels<Orientation>, 240, Beam::large>>(s, records);
+        default: return run<BoardOf<Channels<Position>, 240, Beam::medium>>(s, records);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::uint64_t streams = 1000, seed = 1;
+    int records = 300;
+    bool going = false;
+    for (int i = 1; i + 1 < argc; i += 2) {
+        const std::string name = argv[i];
+        const auto value = std::strtoull(argv[i + 1], nullptr, 10);
+        if (name == "--streams")
+            streams = value;
+        else if (name == "--seed")
+            seed = value;
+        else if (name == "--records")
+            records = static_cast<int>(value);
+        else if (name == "--going")
+            going = value != 0;
+        else
+            return std::fprintf(stderr, "unknown option %s\n", argv[i]), 2;
+    }
+    const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
+    Verdict total;
+    std::uint64_t bad = 0;
+    for (std::uint64_t k = 0; k < streams; ++k) {
+        const Verdict v = stream(seed + k, records);
+        if (!v.good() && (bad++ == 0 || going))
+            std::printf(
+                "FAIL seed %llu: %s (outside %llu, late %llu, uncovered %llu, unknown %llu, "
+                "damaged %llu, overflows %llu)\n",
+                n(seed + k), v.first.c_str(), n(v.violations), n(v.late), n(v.uncovered),
+                n(v.unknown), n(v.damaged), n(v.overflows)),
+                std::fflush(stdout);
+        total.add(v);
+        if (bad > 0 && !going) break;
+    }
+    std::printf(
+        "%llu streams, %llu records, %llu accepted, %llu values in %llu runs: %llu outside, "
+        "%llu late, %llu uncovered, %llu damaged, %llu overflows; %llu breaks, %llu bytes, "
+        "largest error %.4f of the tolerance\n",
+        n(streams), n(total.pushed), n(total.accepted), n(total.values), n(total.runs),
+        n(total.violations), n(total.late), n(total.uncovered), n(total.damaged + total.unknown),
+        n(total.overflows), n(total.breaks), n(total.bytes), total.worst);
+    if (bad == 0) std::printf("ok pipeline search\n");
+    return bad == 0 ? 0 : 1;
+}

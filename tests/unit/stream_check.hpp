@@ -1,0 +1,166 @@
+#pragma once
+// Encoder -> bytes -> decoder, checked from the bytes in double: each accepted sample is covered,
+// within its tolerance, by bytes that left at most delay_records pushes later.
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/wire2/encoder.hpp"
+
+namespace fairlead::test {
+
+/// Error over tolerance of one sample of a channel, in double.
+template <std::size_t D>
+double error_of(const std::array<float, D>& value, const std::vector<const wire2::CurvePiece*>& at,
+                const std::vector<double>& ticks) {
+    double worst = 0;
+    for (std::size_t a = 0; a < D; ++a) {
+        const double v = at[a]->steps_at(ticks[a]) * at[a]->scale.step();
+        worst = std::max(worst, std::abs(v - static_cast<double>(value[a])));
+    }
+    return worst;
+}
+inline double error_of(const Quat& value, const std::vector<const wire2::CurvePiece*>& at,
+                       const std::vector<double>& ticks) {
+    const BasicQuat<double> q = normalised(BasicQuat<double>{value.w, value.x, value.y, value.z});
+    return rotation_angle(normalised(wire2::rotation_at(*at[0], ticks[0])), q);
+}
+
+template <class Encoder, class Decoder>
+class StreamCheck {
+  public:
+    using Values = typename Encoder::Values;
+    static constexpr std::size_t channels = Encoder::channel_count;
+
+    explicit StreamCheck(const typename Encoder::Params& params)
+        : params_{params}, encoder{params} {}
+
+    std::size_t accepted{0}, violations{0}, late{0}, uncovered{0}, pieces{0}, breaks{0};
+    double worst{0};  // error over tolerance
+    std::vector<std::uint8_t> bytes;
+    std::string first_fault;
+
+    void push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps = 0,
+              bool new_run = false) {
+        if (new_run || pushes_ == 0) ++run_;
+        ++pushes_;
+        for (std::size_t c = 0; c < channels; ++c)
+            if (valid >> c & 1u) waiting_[c].push_back({run_, pushes_, t_ns, values}), ++accepted;
+        take(encoder.push(t_ns, values, valid, gaps, new_run));
+        settle();
+        for (auto& queue : waiting_) {
+            if (queue.empty() || queue.front().push + params_.delay_records > pushes_) continue;
+            if (late++ == 0) note("late", queue.front());
+        }
+    }
+    void finish() {
+        for (int i = 0; i < 4; ++i) take(encoder.flush());
+        while (decoder.finish()) drain();
+        settle();
+        for (auto& queue : waiting_) {
+            if (!queue.empty()) note("uncovered", queue.front());
+            uncovered += queue.size();
+            queue.clear();
+        }
+    }
+    bool good() const {
+        return violations == 0 && late == 0 && uncovered == 0 && encoder.overflows() == 0 &&
+               decoder.frame_counters().losses == 0 && decoder.counters().nonsense == 0;
+    }
+
+  private:
+    struct Waiting {
+        std::uint32_t run;
+        std::size_t push;
+        std::int64_t t_ns;
+        Values values;
+    };
+    struct Told {
+        std::uint32_t run;
+        std::int64_t start_ns, end_ns;
+        double tick_ns;
+        wire2::CurvePiece piece;
+    };
+
+    typename Encoder::Params params_;
+
+  public:
+    Encoder encoder;
+    Decoder decoder{};
+
+  private:
+    void take(const Bytes& out) {
+        for (const std::uint8_t b : out) {
+            bytes.push_back(b);
+            if (decoder.push(b)) drain();
+        }
+    }
+    void drain() {
+        wire2::CurvePiece p;
+        const curve::Grid& grid = decoder.grid();
+        while (decoder.next(p)) {
+            ++pieces;
+            breaks += p.jumps && p.start != p.end;
+            track(p.channel, p.axis)
+                .push_back({decoder.run_index(), grid.time_ns(p.start), grid.time_ns(p.end),
+                            static_cast<double>(grid.tick_ns()), p});
+        }
+    }
+    std::deque<Told>& track(std::size_t channel, std::size_t axis) {
+        auto& tracks = told_[channel];
+        if (tracks.size() <= axis) tracks.resize(axis + 1);
+        return tracks[axis];
+    }
+    void settle() { settle_all(std::make_index_sequence<channels>{}); }
+    template <std::size_t... I>
+    void settle_all(std::index_sequence<I...>) {
+        (settle_channel<I>(), ...);
+    }
+    template <std::size_t C>
+    void settle_channel() {
+        auto& queue = waiting_[C];
+        auto& tracks = told_[C];
+        while (!queue.empty() && !tracks.empty()) {
+            const Waiting& w = queue.front();
+            std::vector<const wire2::CurvePiece*> at;
+            std::vector<double> ticks;
+            for (auto& list : tracks) {
+                while (!list.empty() &&
+                       (list.front().run < w.run ||
+                        (list.front().run == w.run && list.front().end_ns < w.t_ns)))
+                    list.pop_front();
+                if (list.empty() || list.front().run != w.run) return;
+                const Told& t = list.front();
+                const bool holds = t.piece.begins ? t.start_ns <= w.t_ns : t.start_ns < w.t_ns;
+                if (!holds) return;
+                at.push_back(&t.piece);
+                ticks.push_back(static_cast<double>(w.t_ns - t.start_ns) / t.tick_ns);
+            }
+            if (tracks.size() != (at.size())) return;
+            const double e = error_of(std::get<C>(w.values), at, ticks) /
+                             static_cast<double>(params_.tolerance[C]);
+            worst = std::max(worst, e);
+            if (!(e <= 1.0)) {
+                if (violations++ == 0) note("violation " + std::to_string(e), w);
+            }
+            queue.pop_front();
+        }
+    }
+    void note(const std::string& what, const Waiting& w) {
+        if (first_fault.empty())
+            first_fault = what + " push " + std::to_string(w.push) + " t " + std::to_string(w.t_ns);
+    }
+
+    std::array<std::deque<Waiting>, channels> waiting_{};
+    std::array<std::vector<std::deque<Told>>, channels> told_{};
+    std::size_t pushes_{0};
+    std::uint32_t run_{0};
+};
+
+}  // namespace fairlead::test

@@ -1,0 +1,176 @@
+// Damaged bytes, noise, cut streams: nothing wrong is believed, and what is left comes back. The
+// odds of docs/stream.md are counted here at checks of a few bits, where wrong frames are many.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/unit/random_stream.hpp"
+
+namespace fairlead::test {
+namespace {
+
+struct Outcome {
+    std::size_t sent{0}, told{0}, wrong_frames{0}, wrong_events{0}, losses{0}, bytes{0};
+};
+
+/// A line with so many damaged bytes, or with noise between some frames, and a reader whose checks
+/// count CheckBits bits.
+template <unsigned CheckBits>
+Outcome run_line(double damage, std::size_t noise, int frames, std::uint64_t seed) {
+    Options options;
+    options.usual_ticks = 40;
+    options.ends = options.jumps = 0;
+    options.size = 1;
+    RandomStream source{options, seed}, dice{options, seed + 1};
+    wire2::Decoder<3, 1, Kinds, CheckBits> reader;
+    std::map<std::int64_t, Writer::States> sent;
+    Outcome out;
+    bool wrong_before = false;
+    const auto take = [&] {
+        ++out.told;
+        const auto it = sent.find(reader.frame_end());
+        bool good = it != sent.end();
+        if (good && reader.states().hidden == 0) {
+            const Writer::States& a = it->second;
+            const auto& b = reader.states();
+            for (std::size_t i = 0; i < 3; ++i)
+                good = good && a.axis[i].v == b.axis[i].v && a.axis[i].s == b.axis[i].s;
+            good = good && a.live == b.live && a.rotation[0].anchor.w == b.rotation[0].anchor.w;
+        }
+        out.wrong_frames += !good;
+        out.wrong_events += !good && !wrong_before;
+        wrong_before = !good;
+    };
+    const auto push = [&](const ByteVector& bytes, bool clean) {
+        for (std::uint8_t byte : bytes) {
+            if (!clean && dice.chance(damage)) byte = dice.below(std::uint8_t{255});
+            ++out.bytes;
+            if (reader.push(byte)) take();
+        }
+    };
+    push(source.header(true), true);
+    for (int i = 0; i < frames; ++i) {
+        const ByteVector bytes = source.frame(20 + dice.below(40u));
+        if (bytes.empty()) continue;
+        ++out.sent;
+        sent[source.writer().link().end] = source.writer().states;
+        if (sent.size() > 200) sent.erase(sent.begin());
+        push(bytes, false);
+        if (i % 50 == 49) push(source.header(false), true);
+        if (noise == 0 || i % 5 != 4) continue;
+        ByteVector some(noise);
+        for (auto& byte : some) byte = static_cast<std::uint8_t>(dice.below(256u));
+        push(some, true);
+    }
+    out.losses = reader.frame_counters().losses;
+    return out;
+}
+
+TEST(StreamDamage, NothingWrongIsBelieved) {
+    for (const double damage : {0.001, 0.01, 0.03}) {
+        const Outcome o = run_line<16>(damage, 0, 4000, 3);
+        EXPECT_EQ(o.wrong_frames, 0u) << damage;
+        EXPECT_GT(o.losses, damage < 0.02 ? 50u : 10u);
+        EXPECT_GT(o.told, damage < 0.005 ? 3200u : damage < 0.02 ? 1000u : 50u) << damage;
+    }
+    const Outcome o = run_line<16>(0, 1500, 800, 4);
+    EXPECT_EQ(o.wrong_frames, 0u);
+    EXPECT_GT(o.told, 250u) << "noise between frames must not hide them for long";
+}
+
+TEST(StreamDamage, WrongFramesFallWithTheSquareOfTheCheck) {
+    // two checks vouch for a frame: each bit of the check makes a wrong one four times rarer
+    // (docs/stream.md, Odds, has the counts of longer runs)
+    const Outcome four = run_line<4>(0.01, 0, 24000, 5), six = run_line<6>(0.01, 0, 24000, 6);
+    EXPECT_GE(four.wrong_events, 15u);
+    // at 6 bits 1 / 16 of them, and the four trusted frames of the start at 2^-6 each
+    EXPECT_LE(six.wrong_events, four.wrong_events / 4);
+    EXPECT_LE(six.wrong_events, 12u);
+}
+
+TEST(StreamDamage, NoiseAlone) {
+    // a floating line: what looks like frames must also make sense
+    const Outcome one = run_line<1>(0, 2000, 500, 7), four = run_line<4>(0, 2000, 500, 8);
+    EXPECT_LE(four.wrong_events, 2u);
+    EXPECT_LE(one.wrong_events, 20u);
+}
+
+TEST(StreamDamage, CutAtEveryByte) {
+    RandomStream source{{}, 9};
+    ByteVector bytes = source.header(true);
+    std::vector<std::pair<std::size_t, std::int64_t>> ends;
+    while (ends.size() < 12) {
+        const ByteVector frame = source.frame();
+        bytes.insert(bytes.end(), frame.begin(), frame.end());
+        if (!frame.empty()) ends.emplace_back(bytes.size(), source.writer().link().end);
+    }
+    for (std::size_t cut = 0; cut <= bytes.size(); ++cut) {
+        Reader reader;
+        std::size_t told = 0;
+        for (std::size_t i = 0; i < cut; ++i) told += reader.push(bytes[i]);
+        while (reader.finish()) ++told;
+        std::size_t whole = 0;
+        while (whole < ends.size() && ends[whole].first <= cut) ++whole;
+        ASSERT_EQ(told, whole) << cut;
+        ASSERT_TRUE(whole == 0 || reader.frame_end() == ends[whole - 1].second);
+    }
+}
+
+TEST(StreamDamage, EachBitCounts) {
+    // one flipped bit anywhere in a frame: the frame is refused, and the reader comes back
+    RandomStream source{{}, 10};
+    ByteVector head = source.header(true), tail;
+    const ByteVector first = source.frame();
+    for (int i = 0; i < 12; ++i) {
+        const ByteVector frame = source.frame();
+        tail.insert(tail.end(), frame.begin(), frame.end());
+    }
+    for (std::size_t bit = 0; bit < 8 * first.size(); ++bit) {
+        Reader reader;
+        std::size_t told = 0;
+        for (const auto b : head) told += reader.push(b);
+        for (std::size_t i = 0; i < first.size(); ++i) {
+            const auto flip = static_cast<std::uint8_t>(i == bit / 8 ? 1u << bit % 8 : 0u);
+            told += reader.push(first[i] ^ flip);
+        }
+        ASSERT_EQ(told, 0u) << bit;
+        for (const auto b : tail) told += reader.push(b);
+        while (reader.finish()) ++told;
+        ASSERT_EQ(reader.frame_counters().losses, 1u);
+        ASSERT_GE(told, 5u) << bit;
+        ASSERT_EQ(reader.frame_end(), source.writer().link().end);
+    }
+}
+
+TEST(StreamDamage, AnyBytesAreHarmless) {
+    // nonsense with right checks too: a frame writer's chain over random payloads
+    std::mt19937_64 random{11};
+    for (int run = 0; run < 100; ++run) {
+        RandomStream source{{}, random()};
+        Reader reader;
+        for (const auto b : source.header(true)) reader.push(b);
+        wire2::Link link = source.writer().link();
+        for (int i = 0; i < 20; ++i) {
+            ByteVector frame(4 + random() % 60);
+            for (auto& b : frame) b = static_cast<std::uint8_t>(random() % 3 == 0 ? 0 : random());
+            frame[0] = static_cast<std::uint8_t>(frame.size() - 3);
+            append_crc16(frame.data(), frame.size() - 2, wire2::seed(link));
+            std::size_t told = 0;
+            for (const auto b : frame) told += reader.push(b);
+            wire2::CurvePiece piece;
+            while (reader.next(piece)) ++told;
+            if (!reader.in_step()) break;
+            link.end = reader.frame_end();
+            link.previous = crc32(frame.data(), frame.size());
+        }
+        for (int i = 0; i < 2000; ++i)
+            if (reader.push(static_cast<std::uint8_t>(random()))) {
+                wire2::CurvePiece piece;
+                while (reader.next(piece)) {
+                }
+            }
+    }
+}
+
+}  // namespace
+}  // namespace fairlead::test
