@@ -212,8 +212,10 @@ $(SANITIZERS:%=gateway-sanitize-%): gateway-sanitize-%:
 	  $(SANITIZED)/fairlead-gateway-measure --gateway $(SANITIZED)/fairlead-gateway --seconds 20 $$run; done
 comma := ,
 MEASURED := torn load history noise noise-table restart '--seconds 20 allocations' '--seconds 600 memory'
-gateway-measure: gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so ## [] the figures of docs/gateway.md: a quarter of an hour
+gateway-measure: gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so ## [script] the figures of docs/gateway.md: a quarter of an hour
 	@set -e; for what in $(MEASURED); do echo "fairlead-gateway-measure $$what"; $(BUILD)/fairlead-gateway-measure $$what; done
+	@/usr/bin/python3 tests/gateway/rtu.py $(BUILD)
+	@/usr/bin/python3 tests/gateway/reloads.py $(BUILD)
 VM_RECORDING := $(or $(firstword $(wildcard $(RECORDINGS)/08*.imu $(RECORDINGS)/*.imu)),-)
 linux-vm-test: gateway $(VM_PROGRAMS) ## [linux-vm] boot a Debian kernel under QEMU and run the port against it (minutes)
 	@tests/linux_vm/run $(BUILD) $(VM_RECORDING)
