@@ -9,7 +9,9 @@
 #include <filesystem>
 
 #include "fairlead/sense/attitude.hpp"
+#include "host_sim/attitude_settings.hpp"
 #include "host_sim/baselines/ahrs/ahrs.hpp"
+#include "host_sim/bench_attitude/foreign.hpp"
 #include "host_sim/bench_attitude/trials.hpp"
 
 namespace fairlead::sim {
@@ -239,6 +241,22 @@ int table(const std::string& folder, const std::string& into) {
     return broken ? 1 : 0;
 }
 
+int foreign(const std::string& folder, const std::string& into,
+            const std::vector<std::string>& set) {
+    AttitudeParams params;
+    apply_settings(params, set);
+    std::string page = into.empty() ? std::string() : read_bytes(into);
+    const std::array<std::pair<const char*, std::string>, 2> parts{
+        {{"foreign recordings", foreign_recordings(folder, params)},
+         {"foreign simulations", foreign_simulations(params)}}};
+    for (const auto& [name, content] : parts) {
+        std::printf("%s\n", content.c_str());
+        if (!into.empty()) replace(page, name, content);
+    }
+    if (!into.empty()) write_bytes(into, page);
+    return 0;
+}
+
 /// The least eigenvalue's sign by Cholesky in double, of the matrix scaled to unit diagonal.
 double least_pivot(const Attitude::State& s) {
     constexpr std::size_t n = Attitude::State::size;
@@ -307,11 +325,17 @@ int main(int argc, char** argv) {
     auto* table = app.add_subcommand("table", "All tables of the page");
     table->add_option("DIR", folder, "Folder of .imu recordings")->required();
     table->add_option("--into", into, "Page whose tables are rewritten");
+    std::vector<std::string> set;
+    auto* foreign = app.add_subcommand("foreign", "Other devices and motions");
+    foreign->add_option("DIR", folder, "Folder of .imu recordings")->required();
+    foreign->add_option("--into", into, "Page whose tables are rewritten");
+    foreign->add_option("--set", set, "NAME=VALUE of a parameter");
     auto* day = app.add_subcommand("day", "A day of recordings on end");
     day->add_option("DIR", folder, "Folder of .imu recordings")->required();
     day->add_option("--hours", hours, "Another length");
     CLI11_PARSE(app, argc, argv);
     try {
+        if (*foreign) return fairlead::sim::foreign(folder, into, set);
         if (*day) return fairlead::sim::day(folder, hours);
         return fairlead::sim::table(folder, into);
     } catch (const std::exception& error) {

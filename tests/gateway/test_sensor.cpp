@@ -8,9 +8,9 @@
 #include <random>
 #include <vector>
 
-#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/chain.hpp"
 #include "examples/gateway/reader.hpp"
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/sensor.hpp"
 #include "examples/gateway/unit_table.hpp"
 #include "fairlead/math/quat.hpp"

@@ -503,7 +503,7 @@ TEST(AttitudeGyro, AGapTeachesNoBias) {
 
 TEST(AttitudeGyro, SaysThatItIsClipped) {
     AttitudeParams params;
-    params.gyro_max_rad_s = 4;
+    params.gyro_full_scale_rad_s = 4;
     AttitudeGyro filter{params};
     Sample s;
     s.flags = flag::gyro_valid;

@@ -54,6 +54,8 @@ inline constexpr Bits gyro_clipped = 1u << 13;   // Sample: of what sensor, besi
 inline constexpr Bits accel_clipped = 1u << 14;  // likewise
 inline constexpr Bits mag_clipped = 1u << 15;    // likewise
 inline constexpr Bits temperature_valid = 1u << 16;  // Sample: temperature_c holds a measurement
+inline constexpr Bits new_run = 1u << 17;  // set by an intake: times before this record are of
+                                           // another clock and must not be compared with it
 }  // namespace flag
 
 /// One reading of an IMU, as the chip said it, in SI units and the body frame.
