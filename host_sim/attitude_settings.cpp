@@ -102,6 +102,8 @@ void apply_settings(AttitudeParams& params, const std::vector<std::string>& item
             throw BadSpec("'" + item + "' is not NAME=VALUE with the name of a parameter");
         params.*(found->value) = static_cast<float>(parse_real(parts[1]));
     }
+    if (check(params) != Status::ok)
+        throw BadSpec("a parameter of the filter is out of its range (docs/attitude.md)");
 }
 
 }  // namespace fairlead::sim

@@ -132,20 +132,25 @@ std::vector<SimPlan> foreign_plans() {
     return out;
 }
 
-std::string foreign_recordings(const std::string& folder, const AttitudeParams& params) {
-    constexpr double from_s = 5;
+std::vector<Recording> read_imu_folder(const std::string& folder) {
     std::vector<std::string> paths;
     if (std::filesystem::is_directory(folder))
         for (const auto& entry : std::filesystem::directory_iterator(folder))
             if (entry.path().extension() == ".imu") paths.push_back(entry.path().string());
     std::sort(paths.begin(), paths.end());
-    std::string out = text(heading_row, "recording");
+    std::vector<Recording> out;
     for (const auto& path : paths) {
-        Recording r = read_recording(path);
-        r.name = stem_of(path);
-        drop_absent_field(r);
-        out += line(r, params, from_s);
+        out.push_back(read_recording(path));
+        out.back().name = stem_of(path);
+        drop_absent_field(out.back());
     }
+    return out;
+}
+
+std::string foreign_recordings(const std::string& folder, const AttitudeParams& params) {
+    constexpr double from_s = 5;
+    std::string out = text(heading_row, "recording");
+    for (const Recording& r : read_imu_folder(folder)) out += line(r, params, from_s);
     return out;
 }
 
@@ -153,6 +158,34 @@ std::string foreign_simulations(const AttitudeParams& params) {
     std::string out = text(heading_row, "simulation");
     for (const SimPlan& plan : foreign_plans())
         out += line(simulate(plan).recording, params, plan.score_from_s);
+    return out;
+}
+
+std::string foreign_speed(const AttitudeParams& params) {
+    std::string out =
+        "| simulation | 9D | 9D with speed | 6D | 6D with speed |\n|---|---|---|---|---|\n";
+    for (const SimPlan& plan : foreign_plans()) {
+        const Simulated sim = simulate(plan);
+        if (sim.speed_m_s.empty() || norm(sim.forward) < 0.5f || plan.motion.radius_m < 0.1)
+            continue;
+        const auto with_speed = [&](auto filter) {
+            std::vector<Pose> estimate;
+            for (std::size_t i = 0; i < sim.recording.samples.size(); ++i) {
+                const float speed = sim.speed_m_s[i];
+                filter.drive(speed * sim.forward, 0.1f + 0.02f * speed);
+                if (const auto pose = filter.push(sim.recording.samples[i]))
+                    estimate.push_back(*pose);
+            }
+            return pair_of(aligned_score(sim.recording, estimate, plan.score_from_s));
+        };
+        const auto without = [&](AttitudeMode mode) {
+            return pair_of(aligned_score(sim.recording, run_attitude(sim.recording, mode, params),
+                                         plan.score_from_s));
+        };
+        out += "| " + plan.name + " | " + without(AttitudeMode::imu_mag) + " | " +
+               with_speed(Attitude{params}) + " | " + without(AttitudeMode::imu) + " | " +
+               with_speed(AttitudeImu{params}) + " |\n";
+    }
     return out;
 }
 

@@ -169,12 +169,13 @@ class Maker {
     Motion circle() {
         const double rate = plan_.turn_deg_s * pi / 180;
         double yaw = 0;
-        m_.speed_m_s.resize(n_);
+        const bool travels = plan_.radius_m > 0;
+        if (travels) m_.speed_m_s.resize(n_);
         m_.forward = rotate(conj(mount_), V3{0, 1, 0});
         each([&](std::size_t i, double t) {
             const double s = fade(t, 20, 80, 4);
             yaw += rate * s * dt_;
-            m_.speed_m_s[i] = rate * s * plan_.radius_m;
+            if (travels) m_.speed_m_s[i] = rate * s * plan_.radius_m;
             set(i, about(yaw, 0, 0, 1) * mount_,
                 plan_.radius_m * V3{std::cos(yaw), std::sin(yaw), 0}, t > 20 && plan_.radius_m > 0);
         });

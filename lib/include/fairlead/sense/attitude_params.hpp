@@ -79,7 +79,7 @@ struct AttitudeParams {
 
     // ---- magnetic field
     float field_uT = 1.0f;            // noise and small disturbances
-    float field_s = 5.0f;             // their correlation time
+    float field_s = 3.0f;             // their correlation time
     float field_residual_s = 0.5f;    // the distance from the reference is averaged over this time
     float field_start_uT = 3.0f;      // error of a reference that rests on one field_s
     float field_memory_s = 300.0f;    // of the reference
