@@ -92,40 +92,25 @@ class Smoother {
         return out;
     }
 
-    /// A variance that is honest where the filter doubts itself.
-    static double weight_of(double variance) { return 1 / std::max(variance, 1e-9); }
-
     std::vector<Pose> together(const std::vector<Told>& first, const std::vector<Told>& again,
                                const std::vector<Told>& back) const {
-        std::vector<Pose> out;
         const std::size_t n = forward_.size();
-        double relative =
-            0;  // heading of the backward pass beside the forward one, without a field
-        bool have_relative = false;
-        for (std::size_t i = 0; i < n; ++i) {
-            const Told& f = again[i].known ? again[i] : first[i];
-            // the state after the backward reading of sample i + 1 is the orientation at sample i
-            const Told b = i + 1 < n ? back[n - 2 - i] : Told{};
-            if (!f.known && !b.known) continue;
-            Told best = f.known ? f : b;
-            if (f.known && b.known) {
-                const Q4 e = b.q_wb * conj(f.q_wb);
-                double turn = 2 * std::atan2(std::copysign(1.0, e.w) * e.z, std::abs(e.w));
-                const V3 tilt = rotation_vector(about_up(-turn) * e);
-                const double w = weight_of(b.tilt) / (weight_of(f.tilt) + weight_of(b.tilt));
-                double h = weight_of(b.heading) / (weight_of(f.heading) + weight_of(b.heading));
-                if constexpr (!has_field) {
-                    if (!have_relative) relative = turn;
-                    have_relative = true;
-                    turn = std::remainder(turn - relative, 2 * pi_v<double>);
-                    h = 0.5;
-                }
-                best.q_wb = normalised(about_up(h * turn) *
-                                       from_rotation_vector(w * V3{tilt.x, tilt.y, 0}) * f.q_wb);
-                best.flags = f.flags & b.flags;
-            } else if constexpr (!has_field) {
-                if (!f.known) continue;
+        const auto ahead = [&](std::size_t i) { return again[i].known ? again[i] : first[i]; };
+        // the state after the backward reading of sample i + 1 is the orientation at sample i
+        const auto behind = [&](std::size_t i) { return i + 1 < n ? back[n - 2 - i] : Told{}; };
+        // without a field both headings are relative, each to its own start
+        double relative = 0;
+        for (std::size_t i = 0; !has_field && i < n; ++i)
+            if (ahead(i).known && behind(i).known) {
+                relative = turn_of(behind(i).q_wb * conj(ahead(i).q_wb));
+                break;
             }
+        std::vector<Pose> out;
+        for (std::size_t i = 0; i < n; ++i) {
+            Told f = ahead(i), b = behind(i);
+            b.q_wb = about_up(-relative) * b.q_wb;
+            if (!f.known && !b.known) continue;
+            const Told best = !b.known ? f : !f.known ? b : weighted(f, b);
             Pose pose;
             pose.t_ns = forward_[i].t_ns;
             pose.q_wb = {static_cast<float>(best.q_wb.w), static_cast<float>(best.q_wb.x),
@@ -135,6 +120,25 @@ class Smoother {
             out.push_back(pose);
         }
         return out;
+    }
+
+    /// Tilt and heading by their own variances; relative headings count alike.
+    static Told weighted(const Told& f, const Told& b) {
+        const Q4 e = b.q_wb * conj(f.q_wb);
+        const double turn = turn_of(e);
+        const V3 tilt = rotation_vector(about_up(-turn) * e);
+        const double w = f.tilt / std::max(f.tilt + b.tilt, 1e-12);
+        const double h = has_field ? f.heading / std::max(f.heading + b.heading, 1e-12) : 0.5;
+        Told out = f;
+        out.q_wb = normalised(about_up(h * turn) *
+                              from_rotation_vector(V3{w * tilt.x, w * tilt.y, 0}) * f.q_wb);
+        out.flags = f.flags & b.flags;
+        return out;
+    }
+
+    /// Rotation about the vertical, of a rotation of the world.
+    static double turn_of(const Q4& e) {
+        return 2 * std::atan2(std::copysign(1.0, e.w) * e.z, std::abs(e.w));
     }
 
     AttitudeParams params_;

@@ -177,8 +177,8 @@ TEST_P(AttitudeDelivery, FieldsOfEveryPlaceServeAsFarAsTheyCan) {
 
 TEST_P(AttitudeDelivery, ABiasBeyondBeliefIsDoubtedNotHidden) {
     constexpr double deg = 0.017453292519943295;
-    const AttitudeParams raised;  // 25 deg/s
-    AttitudeParams narrow;
+    AttitudeParams raised, narrow;
+    raised.bias_rad_s = static_cast<float>(7 * deg);
     narrow.bias_max_rad_s = static_cast<float>(2 * deg);
     for (const double bias : {3.0, 7.0}) {
         SCOPED_TRACE(bias);

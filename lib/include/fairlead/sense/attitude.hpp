@@ -178,7 +178,7 @@ class BasicAttitude {
         if constexpr (has_field) {
             s_.field.sum = {};
             s_.field.count = 0;
-            if (valid(sample, flag::mag_valid, sample.mag_uT)) {
+            if (has_reading(sample)) {
                 const Vector field = rotate(s_.q_wb, widen(sample.mag_uT));
                 s_.q_wb = about_up(approx::atan2(field.x, field.y)) * s_.q_wb;
             }
@@ -376,8 +376,13 @@ class BasicAttitude {
         s_.sums.doubt_velocity2 += 2 * speed * speed * dt / static_cast<Real>(params_.velocity_s);
     }
 
+    /// Of the magnetometer. Zero is not a field: a part that does not answer reads so.
+    static bool has_reading(const Sample& sample) noexcept {
+        return valid(sample, flag::mag_valid, sample.mag_uT) && !is_zero(sample.mag_uT);
+    }
+
     void add_field(const BasicMat3<Real>& axes, const Sample& sample) noexcept {
-        if (!valid(sample, flag::mag_valid, sample.mag_uT)) return;
+        if (!has_reading(sample)) return;
         if ((sample.flags & flag::mag_clipped) != 0) return;
         s_.field.sum += axes * widen(sample.mag_uT);
         ++s_.field.count;

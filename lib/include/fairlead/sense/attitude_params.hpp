@@ -40,7 +40,7 @@ struct AttitudeParams {
     float velocity_s = 0.5f;          // its correlation time
     float accel_noise = 0.05f;        // m/s^2 sqrt(s)
     float accel_offset_m_s2 = 0.03f;  // error of a calibrated zero, an axis: in the report only
-    float accel_zero_m_s2 = 0.2f;     // of an uncalibrated one: in the heading's report, by the dip
+    float accel_zero_m_s2 = 0.3f;     // of an uncalibrated one: in the heading's report, by the dip
 
     // ---- sustained motion (running, flying, riding) shows as a slow innovation of the velocity
     // and raises its variance, so that it is taken neither for tilt nor for bias
