@@ -53,7 +53,7 @@ TEST(AttitudeDevices, NoWrongStateLasts) {
 }
 
 TEST(AttitudeDevices, SettledIsSettledAfterAStartInMotion) {
-    const LockCounts c = count_locks(start_in_motion, AttitudeMode::imu_mag, 6001, 16);
+    const LockCounts c = count_locks(start_in_motion, AttitudeMode::imu_mag, 1, 24);
     EXPECT_EQ(c.tilted, 0u);
     EXPECT_LT(static_cast<double>(c.turned), 0.01 * static_cast<double>(c.samples));
     EXPECT_GT(c.clear_share, 0.3) << "a filter that never settles is no use";

@@ -92,6 +92,7 @@ struct AliveState {
     BasicVec3<Real> gyro{}, accel{};
     std::array<std::uint16_t, 3> gyro_runs{};  // repetitions of each axis
     std::uint16_t accel_runs{};
+    bool repeating{};  // any of them does
     bool gyro_dead{}, accel_dead{};
 };
 
