@@ -259,6 +259,12 @@ experiments: sim ## [demo] rerun the papers' experiments: rewrites the tables an
 	$(BUILD)/fairlead-sim experiment all --out docs/experiments
 attitude-table: $(BUILD)/bench-attitude ## [build reference] measure orientation on all recordings and rewrite the tables of docs/attitude.md
 	$< table $(RECORDINGS) --into docs/attitude.md
+attitude-foreign: $(BUILD)/bench-attitude ## [build reference] orientation on other devices and simulations, beside other filters: tables of docs/attitude.md
+	$(BUILD)/bench-attitude foreign $(RECORDINGS)/foreign --into docs/attitude.md
+attitude-smooth: $(BUILD)/bench-attitude ## [build reference] what smoothing is worth, whole recordings and fixed lags: table of docs/attitude.md
+	$(BUILD)/bench-attitude smooth $(RECORDINGS) --into docs/attitude.md
+attitude-locks: $(BUILD)/bench-attitude ## [build reference] 1000 starts in motion, 1000 upside-down losses: no wrong state may last (minutes)
+	$(BUILD)/bench-attitude locks --into docs/attitude.md
 attitude-day: $(BUILD)/bench-attitude ## [build reference] a day of recordings on end: float beside double, covariance positive throughout
 	$< day $(RECORDINGS)
 attitude-counts: ## [compile script cortex-m cortex-m-emulator] instructions of an attitude sample on a Cortex-M4F, all recordings, against their budgets
