@@ -308,8 +308,8 @@ class VectorChannel {
         const std::int64_t x = scale_.to_fine(samples_.old_value(k.sample)[k.axis]);
         const auto d = static_cast<float>(x - v * curve::fine);
         const float rise = c.rise(behind(k.from)) * static_cast<float>(curve::fine);
-        const float slack = (approx::abs(d) + approx::abs(rise)) * rounding;
-        return approx::abs(d - rise) <= full_radius_ + slack;
+        const float slack = (approx::absolute(d) + approx::absolute(rise)) * rounding;
+        return approx::absolute(d - rise) <= full_radius_ + slack;
     }
     bool next_part(std::size_t axis, PieceType& piece) noexcept {
         if (!cursor_.walk.next(OldSource{*this, axis}, piece)) return false;
