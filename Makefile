@@ -235,6 +235,19 @@ tidy: ## [tidy compile] clang-tidy over the library
 	@mkdir -p $(BUILD) && printf '#include "%s"\n' $(LIB_HEADERS:lib/include/%=%) > $(BUILD)/tidy.cpp
 	@clang-tidy --quiet --header-filter='lib/include/.*' $(BUILD)/tidy.cpp -- $(BASE)
 
+# the gateway against any text as its configuration; the Debian package
+.PHONY: fuzz-config deb
+MINUTES     ?= 1
+FUZZ_CONFIG := $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp toml_parser.cpp text_file.cpp) \
+               $(addprefix port/linux/,modbus_net.cpp serial.cpp i2c.cpp i2c_smbus.cpp spidev.cpp) tests/fuzz/config.cpp
+fuzz-config: ## [build gateway clang sanitize] search for a configuration that stops the gateway, for MINUTES=1
+	@mkdir -p $(BUILD)/fuzz/config && cp examples/gateway/gateway.toml $(BUILD)/fuzz/config/
+	clang++ $(BASE) -Wno-everything -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $(FUZZ_CONFIG) -o $(BUILD)/fuzz/fuzz-config
+	$(BUILD)/fuzz/fuzz-config -dict=tests/fuzz/toml.dict -max_len=4096 -timeout=5 -max_total_time=$$(( 60 * $(MINUTES) )) $(BUILD)/fuzz/config
+deb: gateway record sim ## [deb] build the Debian package of the programs, and check it with lintian
+	@packaging/deb/build $(BUILD)
+	@lintian --fail-on error $(BUILD)/fairlead_*.deb
+
 ##@ Measure, and write the tables of the documentation
 .PHONY: bench bench-smooth bench-peers compare experiments attitude-table attitude-day attitude-counts
 bench: bench-smooth ## [] time smoothing beside its rivals (also: bench-peers, compare, attitude-table)

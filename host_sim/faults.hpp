@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "host_sim/spec.hpp"
 #include "host_sim/recording/recording.hpp"
+#include "host_sim/spec.hpp"
 
 namespace fairlead::sim {
 

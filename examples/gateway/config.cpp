@@ -4,6 +4,7 @@
 #include <set>
 
 #include "examples/gateway/calibration_file.hpp"
+#include "port/linux/any_bus.hpp"
 
 namespace fairlead::gateway {
 
@@ -21,10 +22,10 @@ bool same(const port::SerialConfig& a, const port::SerialConfig& b) {
     return baud == b.baud && parity == b.parity && stop_bits == b.stop_bits;
 }
 bool same(const port::ImuSetup& a, const port::ImuSetup& b) {
-    const auto& [sensor, mag, address, mag_address, watermark, accept_unknown] = a;
+    const auto& [sensor, mag, address, mag_address, watermark, accept_unknown, blob] = a;
     return sensor == b.sensor && mag == b.mag && address == b.address &&
            mag_address == b.mag_address && watermark == b.watermark &&
-           accept_unknown == b.accept_unknown;
+           accept_unknown == b.accept_unknown && blob == b.blob;
 }
 bool same(const ButtonConfig& a, const ButtonConfig& b) {
     const auto& [line, channel, active_low, debounce_s] = a;
@@ -73,6 +74,28 @@ Config default_config() {
     return config;
 }
 
+namespace {
+
+/// What the chips' table says of a unit's buses.
+template <class Add>
+void check_wiring(const UnitConfig& unit, Add add) {
+    const std::string who = "unit " + std::to_string(unit.id) + ": ";
+    const port::ChipInfo* imu = port::ImuChips::find(unit.imu.sensor);
+    const port::ChipInfo* mag = port::MagChips::find(unit.imu.mag);
+    const bool spi = port::AnyBus::is_spi(unit.bus);
+    if (!spi && !port::AnyBus::is_i2c(unit.bus)) add(who + "bus is /dev/i2c-N or /dev/spidevB.C");
+    if (imu != nullptr && spi && imu->spi.hz_max == 0)
+        add(who + unit.imu.sensor + " has no SPI: connect it by I2C");
+    if (mag == nullptr) return;
+    if (spi && unit.mag_bus < 0)
+        add(who + "with the sensor on SPI, mag_bus names the mag's I2C bus");
+    const bool inside = unit.imu.sensor == "icm20948" || unit.imu.sensor == "mpu6050";
+    if (mag->behind_bypass && (spi || !inside))
+        add(who + unit.imu.mag + " is reached through an MPU-9250 or ICM-20948 on I2C only");
+}
+
+}  // namespace
+
 void check_config(const Config& config, const std::string& where,
                   std::vector<std::string>& errors) {
     const auto add = [&](const std::string& what) { errors.push_back(where + ": " + what); };
@@ -83,8 +106,7 @@ void check_config(const Config& config, const std::string& where,
     if (config.allow.size() > port::ModbusTcpServer::networks_max) add("too many server.allow");
     for (std::size_t i = 0; i < config.listen.size(); ++i)
         for (std::size_t k = 0; k < i; ++k)
-            if (config.listen[i].port != 0 && config.listen[i] == config.listen[k])
-                add("server.listen names an address twice");
+            if (config.listen[i] == config.listen[k]) add("server.listen names an address twice");
     std::set<int> ids;
     std::set<std::string> devices;
     if (config.rtu) devices.insert(config.rtu->device);
@@ -96,6 +118,7 @@ void check_config(const Config& config, const std::string& where,
             add("two users of the line " + unit.device);
         }
         if (unit.source != SourceKind::sensor) continue;
+        check_wiring(unit, add);
         std::vector<unsigned> lines{unit.line_number};
         for (const ButtonConfig& button : unit.buttons) lines.push_back(button.line);
         for (const unsigned line : lines) {

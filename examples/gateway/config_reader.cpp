@@ -66,13 +66,13 @@ void read_rtu(Section& section, Config& config) {
     config.rtu = rtu;
 }
 
-template <std::size_t N>
-void read_name(Section& section, const char* key, const std::array<const char*, N>& names,
-               std::string& out) {
+/// The name of a chip that the table knows.
+template <class Chips>
+void read_chip(Section& section, const char* key, std::string& out) {
     section.text(key, out);
-    if (out.empty() || std::find(names.begin(), names.end(), out) != names.end()) return;
+    if (out.empty() || Chips::find(out) != nullptr) return;
     std::string expected = "must be one of";
-    for (const char* name : names) expected += std::string{" "} + name;
+    for (const port::ChipInfo& chip : Chips::infos) expected += std::string{" "} + chip.name;
     section.fail(section.find(key)->source(), key, expected);
 }
 
@@ -138,14 +138,37 @@ void read_calibration_keys(Section& section, UnitConfig& unit,
     unit.bias_max_rad_s = limit_deg_s / deg_per_rad;
 }
 
-void read_sensor(Section& section, UnitConfig& unit) {
+/// The configuration file that some chips need before they measure.
+void read_blob(Section& section, UnitConfig& unit, const std::filesystem::path& folder) {
+    const port::ChipInfo* chip = port::ImuChips::find(unit.imu.sensor);
+    std::string file, why;
+    section.text("blob", file);
+    if (chip == nullptr) return;
+    if (file.empty()) {
+        if (chip->needs_blob) {
+            section.fail(section.source(), "blob",
+                         "is missing: this chip measures nothing without its maker's file");
+        }
+        return;
+    }
+    file = (folder / file).string();
+    if (!chip->needs_blob)
+        section.fail(section.find("blob")->source(), "blob", "is of no use to this chip");
+    else if (!read_small_file(file, port::bmi::blob_max, unit.imu.blob, why))
+        section.errors().push_back(file + ": " + why);
+    else if (unit.imu.blob.empty() || unit.imu.blob.size() % 2 != 0)
+        section.errors().push_back(file + ": is no configuration file of this chip");
+}
+
+void read_sensor(Section& section, UnitConfig& unit, const std::filesystem::path& folder) {
     section.require("line");
-    read_name(section, "sensor", port::imu_names, unit.imu.sensor);
-    read_name(section, "mag", port::mag_names, unit.imu.mag);
+    read_chip<port::ImuChips>(section, "sensor", unit.imu.sensor);
+    read_chip<port::MagChips>(section, "mag", unit.imu.mag);
     read_bus(section, unit);
     section.integer("address", unit.imu.address, 0x08, 0x77);
     section.integer("mag_address", unit.imu.mag_address, 0x08, 0x77);
     section.truth("accept_unknown", unit.imu.accept_unknown);
+    read_blob(section, unit, folder);
     section.text("chip", unit.chip);
     section.integer("line", unit.line_number, 0, 1023);
     section.integer("watermark", unit.imu.watermark, 0, 32);
@@ -175,7 +198,7 @@ void read_unit(Section& section, Config& config, const std::filesystem::path& fo
         read_line(section, unit.line);
     } else if (source == "sensor") {
         unit.source = SourceKind::sensor;
-        read_sensor(section, unit);
+        read_sensor(section, unit, folder);
         read_calibration_keys(section, unit, folder);
     } else if (!source.empty()) {
         section.fail(section.find("source")->source(), "source",

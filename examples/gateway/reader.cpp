@@ -1,5 +1,5 @@
-#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/reader.hpp"
+#include "examples/gateway/register_map.hpp"
 
 #include <algorithm>
 #include <array>

@@ -40,7 +40,8 @@ class Sensor : public Source {
                 tell(Level::warning, "sensor lost", unit_.imu.sensor.c_str(), "");
             } else if (!told) {
                 told = true;
-                tell(Level::warning, "sensor not there", opened.what, to_string(opened.status));
+                tell(Level::warning, "sensor not there", opened.what, to_string(opened.status),
+                     opened.remedy);
             }
             set_lost(feed, state, true);
             sleep_until(port::now_ns() + reopen_ns);
@@ -48,10 +49,12 @@ class Sensor : public Source {
     }
 
   private:
-    void tell(Level level, const char* event, const char* device, const char* why) const {
+    void tell(Level level, const char* event, const char* device, const char* why,
+              const char* remedy = "") const {
         LogLine line{level, event};
         line.add("unit", unit_.id).add("device", device);
         if (*why != 0) line.add("why", why);
+        if (*remedy != 0) line.add("remedy", remedy);
     }
 
     static void set_lost(UnitFeed& feed, UnitState& state, bool lost) noexcept {

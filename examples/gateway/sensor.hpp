@@ -24,6 +24,7 @@ class SensorHardware {
     struct Opened {
         Status status{Status::ok};
         const char* what{""};
+        const char* remedy{""};  // what a user can do about it
     };
     virtual Opened open(const UnitConfig& unit) = 0;
     virtual void close() noexcept = 0;

@@ -30,6 +30,7 @@ bool Writer::put(const std::string& bytes) {
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) return fail("write");
         from += static_cast<std::size_t>(n);
+        bytes_ += static_cast<std::uint64_t>(n);
     }
     return true;
 }
@@ -40,6 +41,7 @@ bool Writer::open(const std::string& path, const std::string& name, double perio
     path_ = path;
     fields_ = fields;
     count_ = 0;
+    bytes_ = 0;
     binary_ = ends_with(path, ".imu");
     if (!binary_ && !ends_with(path, ".csv")) {
         error_ = path + ": recordings are written as .imu or .csv";

@@ -28,6 +28,8 @@ class Writer {
     bool close();
     const std::string& error() const { return error_; }
     std::uint64_t count() const { return count_; }
+    /// Of the file so far.
+    std::uint64_t bytes() const { return bytes_; }
 
   private:
     bool fail(const char* what);
@@ -37,6 +39,7 @@ class Writer {
     bool binary_{false};
     std::uint32_t fields_{0};
     std::uint64_t count_{0};
+    std::uint64_t bytes_{0};
     std::string path_, error_;
 };
 

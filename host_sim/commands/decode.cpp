@@ -7,8 +7,8 @@
 #include "host_sim/commands/options.hpp"
 #include "host_sim/curve_store.hpp"
 #include "host_sim/recording/event_file.hpp"
-#include "host_sim/spec.hpp"
 #include "host_sim/recording/writers.hpp"
+#include "host_sim/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

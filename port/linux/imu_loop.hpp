@@ -1,26 +1,24 @@
 #pragma once
 // Any supported inertial sensor, chosen by name when the program runs, with a magnetometer beside
 // it where there is one: the sampling loop of sampler.hpp behind one interface, for programs that
-// learn from a user or a file which chip is on the bus.
+// learn from a user or a file which chip is on the bus. Names: port/sensors/chips.hpp.
 //
 // Allocates in make_imu_loop() alone. A magnetometer that falls silent for half a second is
-// started anew; meanwhile samples lack flag::mag_valid.
+// started anew; meanwhile samples lack flag::mag_valid. One that stands behind its IMU's bypass is
+// connected by the IMU's driver.
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "port/linux/clock.hpp"
 #include "port/linux/sampler.hpp"
-#include "port/sensors/ak09916.hpp"
-#include "port/sensors/icm426xx.hpp"
-#include "port/sensors/lis3mdl.hpp"
-#include "port/sensors/lsm6.hpp"
-#include "port/sensors/mpu6xxx.hpp"
+#include "port/sensors/chips.hpp"
 
 namespace fairlead::port {
 
-/// What is on the bus. Names: imu_names, mag_names.
+/// What is on the bus.
 struct ImuSetup {
     std::string sensor{"lsm6dso"};
     std::string mag;        // none
@@ -28,9 +26,8 @@ struct ImuSetup {
     int mag_address{-1};    // the magnetometer's own
     unsigned watermark{8};  // samples per interrupt, at most 32; 0: each one, no FIFO
     bool accept_unknown{};
+    std::string blob;  // bytes of the configuration file that a BMI270 needs
 };
-inline constexpr std::array<const char*, 4> imu_names{"icm42688", "lsm6dso", "lsm6dsv", "mpu6050"};
-inline constexpr std::array<const char*, 2> mag_names{"lis3mdl", "ak09916"};
 
 class ImuLoop {
   public:
@@ -40,6 +37,8 @@ class ImuLoop {
     ImuLoop& operator=(const ImuLoop&) = delete;
 
     virtual Probe probe() noexcept = 0;
+    /// not_found where no magnetometer was asked for.
+    virtual Probe probe_mag() noexcept = 0;
     /// The IMU, then the magnetometer. Where it fails, step() goes on trying.
     virtual Status start() noexcept = 0;
     /// As Sampler::step(); the newest sample carries the magnetometer's newest value, if any.
@@ -50,17 +49,34 @@ class ImuLoop {
 };
 
 /// A magnetometer that is asked beside an IMU.
-template <class Driver, class Clock>
 class MagBeside {
   public:
-    template <class Bus>
-    MagBeside(Bus& bus, Clock clock) noexcept : driver_{bus}, clock_{clock} {}
+    MagBeside() = default;
+    virtual ~MagBeside() = default;
+    MagBeside(const MagBeside&) = delete;
+    MagBeside& operator=(const MagBeside&) = delete;
+    virtual Probe probe() noexcept = 0;
+    virtual Status start() noexcept = 0;
+    virtual void add_to(Sample& sample) noexcept = 0;
+};
 
-    Status start() noexcept {
+template <class Driver, class Clock>
+class MagBesideOf final : public MagBeside {
+  public:
+    template <class Bus>
+    MagBesideOf(Bus& bus, const ImuSetup& setup, Clock clock) noexcept
+        : driver_{bus,
+                  static_cast<std::uint8_t>(setup.mag_address < 0 ? Driver::default_address
+                                                                  : setup.mag_address),
+                  setup.accept_unknown ? UnknownId::accept : UnknownId::refuse},
+          clock_{clock} {}
+
+    Probe probe() noexcept override { return driver_.probe(); }
+    Status start() noexcept override {
         heard_ns_ = clock_.now();
         return driver_.start({});
     }
-    void add_to(Sample& sample) noexcept {
+    void add_to(Sample& sample) noexcept override {
         const auto ready = driver_.data_ready();
         if (ready && *ready) {
             const auto field = driver_.read(sample.t_ns);
@@ -82,32 +98,49 @@ class MagBeside {
     std::int64_t heard_ns_{};
 };
 
+namespace detail {
+
+template <class Config, class = void>
+struct HasBypass : std::false_type {};
+template <class Config>
+struct HasBypass<Config, std::void_t<decltype(std::declval<Config>().bypass)>> : std::true_type {};
+template <class Config, class = void>
+struct HasBlob : std::false_type {};
+template <class Config>
+struct HasBlob<Config, std::void_t<decltype(std::declval<Config>().blob)>> : std::true_type {};
+
+}  // namespace detail
+
 template <class Driver, class Bus, class Edges, class Clock>
 class ImuLoopOf final : public ImuLoop {
   public:
-    ImuLoopOf(const ImuSetup& setup, Bus& bus, Edges& edges, Clock clock) noexcept
+    using Config = typename Driver::Config;
+
+    ImuLoopOf(const ImuSetup& setup, Bus& bus, Edges& edges, Clock clock,
+              std::unique_ptr<MagBeside> mag, bool mag_behind_bypass)
         : imu_{bus,
                static_cast<std::uint8_t>(setup.address < 0 ? Driver::default_address
                                                            : setup.address),
                setup.accept_unknown ? UnknownId::accept : UnknownId::refuse},
-          loop_{imu_, edges, clock} {
+          loop_{imu_, edges, clock},
+          mag_{std::move(mag)},
+          blob_{setup.blob} {
         config_.watermark = static_cast<std::uint8_t>(setup.watermark);
-        if (setup.mag == "lis3mdl") lis3mdl_.emplace(bus, clock);
-        if (setup.mag == "ak09916") ak09916_.emplace(bus, clock);
+        if constexpr (detail::HasBypass<Config>::value) config_.bypass = mag_behind_bypass;
+        if constexpr (detail::HasBlob<Config>::value) {
+            config_.blob = reinterpret_cast<const std::uint8_t*>(blob_.data());
+            config_.blob_size = blob_.size();
+        }
     }
     Probe probe() noexcept override { return imu_.probe(); }
+    Probe probe_mag() noexcept override { return mag_ ? mag_->probe() : Probe{}; }
     Status start() noexcept override {
         const Status s = loop_.start(config_);
-        if (s != Status::ok) return s;
-        if (lis3mdl_) return lis3mdl_->start();
-        if (ak09916_) return ak09916_->start();
-        return Status::ok;
+        return s != Status::ok || !mag_ ? s : mag_->start();
     }
     Status step(Batch& batch) noexcept override {
         const Status s = loop_.step(batch);
-        if (batch.count == 0) return s;
-        if (lis3mdl_) lis3mdl_->add_to(batch.samples[batch.count - 1]);
-        if (ak09916_) ak09916_->add_to(batch.samples[batch.count - 1]);
+        if (batch.count > 0 && mag_) mag_->add_to(batch.samples[batch.count - 1]);
         return s;
     }
     const SamplerCounts& counts() const noexcept override { return loop_.counts(); }
@@ -116,28 +149,39 @@ class ImuLoopOf final : public ImuLoop {
 
   private:
     Driver imu_;
-    typename Driver::Config config_{};
+    Config config_{};
     Sampler<Driver, Edges, Clock> loop_;
-    std::optional<MagBeside<Lis3mdl<Bus>, Clock>> lis3mdl_;
-    std::optional<MagBeside<Ak09916<Bus>, Clock>> ak09916_;
+    std::unique_ptr<MagBeside> mag_;
+    std::string blob_;
 };
 
-/// Null for a sensor that is not among imu_names. Bus and edges must outlive the loop.
+/// Null for a sensor or a magnetometer that no table knows. Buses and edges must outlive the loop.
+template <class Bus, class MagBus, class Edges, class Clock>
+std::unique_ptr<ImuLoop> make_imu_loop(const ImuSetup& setup, Bus& bus, MagBus& mag_bus,
+                                       Edges& edges, Clock clock) {
+    std::unique_ptr<MagBeside> mag;
+    bool behind_bypass = false;
+    const bool known = setup.mag.empty() || MagChips::visit(setup.mag, [&](auto chip) {
+                           using Chip = decltype(chip);
+                           using Driver = typename Chip::template Driver<MagBus>;
+                           mag =
+                               std::make_unique<MagBesideOf<Driver, Clock>>(mag_bus, setup, clock);
+                           behind_bypass = Chip::info.behind_bypass;
+                       });
+    if (!known) return nullptr;
+    std::unique_ptr<ImuLoop> loop;
+    ImuChips::visit(setup.sensor, [&](auto chip) {
+        using Driver = typename decltype(chip)::template Driver<Bus>;
+        loop = std::make_unique<ImuLoopOf<Driver, Bus, Edges, Clock>>(
+            setup, bus, edges, clock, std::move(mag), behind_bypass);
+    });
+    return loop;
+}
+
+/// Both on one bus.
 template <class Bus, class Edges, class Clock>
 std::unique_ptr<ImuLoop> make_imu_loop(const ImuSetup& setup, Bus& bus, Edges& edges, Clock clock) {
-    if (setup.sensor == "icm42688")
-        return std::make_unique<ImuLoopOf<Icm426xx<Bus>, Bus, Edges, Clock>>(setup, bus, edges,
-                                                                             clock);
-    if (setup.sensor == "lsm6dso")
-        return std::make_unique<ImuLoopOf<Lsm6dso<Bus>, Bus, Edges, Clock>>(setup, bus, edges,
-                                                                            clock);
-    if (setup.sensor == "lsm6dsv")
-        return std::make_unique<ImuLoopOf<Lsm6dsv<Bus>, Bus, Edges, Clock>>(setup, bus, edges,
-                                                                            clock);
-    if (setup.sensor == "mpu6050")
-        return std::make_unique<ImuLoopOf<Mpu6xxx<Bus>, Bus, Edges, Clock>>(setup, bus, edges,
-                                                                            clock);
-    return nullptr;
+    return make_imu_loop(setup, bus, bus, edges, clock);
 }
 
 }  // namespace fairlead::port

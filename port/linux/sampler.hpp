@@ -195,7 +195,12 @@ class Sampler {
     /// Samples that Intake refuses leave the batch.
     void pass(Batch& batch) noexcept {
         std::size_t kept = 0;
+        const float temperature_c = imu_->temperature_c();
         for (std::size_t i = 0; i < batch.count; ++i) {
+            if (temperature_c == temperature_c) {  // it has been read
+                batch.samples[i].temperature_c = temperature_c;
+                batch.samples[i].flags |= flag::temperature_valid;
+            }
             const auto sample = intake_.push(batch.samples[i]);
             if (sample)
                 batch.samples[kept++] = *sample;

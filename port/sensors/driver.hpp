@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "port/sensors/bus.hpp"
 #include "port/sensors/fifo.hpp"
@@ -46,6 +47,7 @@ class ImuDriver {
     /// Do the settings still stand? bad_data after a reset or a brown-out. One transaction each.
     Status check() const noexcept { return settings_.check(chip_); }
 
+    /// Of the gyroscope's die, as last read; not a number until then (a FIFO without temperatures).
     float temperature_c() const noexcept { return temperature_c_; }
     std::int64_t period_ns() const noexcept { return line_.period_ns(); }
     const Timeline& timeline() const noexcept { return line_; }
@@ -91,7 +93,7 @@ class ImuDriver {
     ImuScale scale_{};
     Timeline line_{};
     std::uint32_t settling_{0};
-    float temperature_c_{0};
+    float temperature_c_{std::numeric_limits<float>::quiet_NaN()};
 };
 
 }  // namespace fairlead::port

@@ -7,10 +7,10 @@
 #include <random>
 #include <vector>
 
-#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/clock_map.hpp"
 #include "examples/gateway/follower.hpp"
 #include "examples/gateway/reader.hpp"
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/unit_table.hpp"
 #include "fairlead/math/quat.hpp"
 #include "fairlead/pipeline.hpp"

@@ -8,9 +8,9 @@
 #include <random>
 #include <vector>
 
-#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/chain.hpp"
 #include "examples/gateway/reader.hpp"
+#include "examples/gateway/register_map.hpp"
 #include "examples/gateway/sensor.hpp"
 #include "examples/gateway/unit_table.hpp"
 #include "fairlead/math/quat.hpp"
@@ -96,6 +96,7 @@ class Witness final : public port::ImuLoop {
     Witness(std::unique_ptr<port::ImuLoop> inner, std::vector<Sample>& seen)
         : inner_{std::move(inner)}, seen_{&seen} {}
     port::Probe probe() noexcept override { return inner_->probe(); }
+    port::Probe probe_mag() noexcept override { return inner_->probe_mag(); }
     Status start() noexcept override { return inner_->start(); }
     Status step(port::Batch& batch) noexcept override {
         const Status s = inner_->step(batch);

@@ -40,7 +40,7 @@ struct Chip {
 };
 
 std::unique_ptr<sim::ChipModel> make(const std::string& kind, std::uint8_t address,
-                                       const Source& source) {
+                                     const Source& source) {
     using Kind = sim::Lsm6Model::Kind;
     const double dso_ns = 16e9 / 6667;
     if (kind == "lsm6dso")

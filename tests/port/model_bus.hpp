@@ -6,6 +6,7 @@
 
 #include "host_sim/models/chip_model.hpp"
 #include "port/sensors/bus.hpp"
+#include "port/sensors/spi.hpp"
 
 namespace fairlead::port::test {
 

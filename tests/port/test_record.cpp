@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 
+#include "examples/record/rotation.hpp"
 #include "examples/record/writer.hpp"
 #include "host_sim/recording/imu2.hpp"
 #include "host_sim/recording/recording.hpp"
@@ -97,6 +98,21 @@ TEST(Record, RefusesOtherFormats) {
     record::Writer writer;
     EXPECT_FALSE(writer.open("/tmp/x.txt", "", 0.01, all_fields));
     EXPECT_NE(writer.error().find(".imu or .csv"), std::string::npos);
+}
+
+TEST(Rotation, FilesAreNumberedBeforeTheirEnd) {
+    EXPECT_EQ(record::file_name("motion.imu", 1), "motion.imu");
+    EXPECT_EQ(record::file_name("motion.imu", 2), "motion-0002.imu");
+    EXPECT_EQ(record::file_name("/a.b/motion", 3), "/a.b/motion-0003");
+    EXPECT_EQ(record::file_name("/a.b/motion.csv", 12345), "/a.b/motion-12345.csv");
+}
+
+TEST(Rotation, IsDueByTimeOrBySize) {
+    EXPECT_FALSE(record::Rotation{}.is_due(1e9, 1u << 30));
+    EXPECT_TRUE((record::Rotation{10, 0}.is_due(10, 0)));
+    EXPECT_FALSE((record::Rotation{10, 0}.is_due(9.9, 1u << 30)));
+    EXPECT_TRUE((record::Rotation{0, 2}.is_due(0, 2000000)));
+    EXPECT_FALSE((record::Rotation{0, 2}.is_due(1e6, 1999999)));
 }
 
 }  // namespace
