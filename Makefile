@@ -91,6 +91,7 @@ $(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,sim))
 $(eval $(call program,bench-peers,$(call sources,host_sim/bench_peers/*.cpp) $(SISL),peers sim,-lsisl -lz))
 $(eval $(call program,bench-smooth,host_sim/bench_smooth/smooth.cpp $(call sources,host_sim/baselines/filters/*.cpp),,-lbenchmark))
 $(eval $(call program,bench-attitude,$(call sources,host_sim/bench_attitude/*.cpp host_sim/baselines/ahrs/*.cpp),sim))
+$(eval $(call program,pipeline-search,tests/pipeline/search.cpp))
 $(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp),sim,$(GOOGLE_TEST)))
 $(eval $(call program,tests/port,$(call sources,tests/port/*.cpp) examples/record/writer.cpp,port sim,-lgpiod $(GOOGLE_TEST)))
 $(eval $(call program,tests/gateway,$(call sources,tests/gateway/*.cpp),gateway port sim,$(GOOGLE_TEST) $(GATEWAY_LIBS)))
@@ -185,7 +186,11 @@ $(BUILD)/fuzz/recording: $(call sources,host_sim/recording/*.cpp) host_sim/spec.
 $(BUILD)/fuzz/config: $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp toml_parser.cpp) \
                       $(addprefix $(BUILD)/,libgateway.a libport.a libsim.a)
 $(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
-.PHONY: fuzz mutants
+.PHONY: fuzz mutants pipeline-search
+STREAMS ?= 1000
+SEED    ?= 1
+pipeline-search: $(BUILD)/pipeline-search ## [compile] lead random streams through whole pipelines and judge them from the bytes (STREAMS=1000 SEED=1)
+	@$< --streams $(STREAMS) --seed $(SEED)
 mutants: $(BUILD)/libsim.a ## [build script test reference] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
 	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
 fuzz: $(FUZZ_TARGETS) ## [build clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target

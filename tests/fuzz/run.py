@@ -40,8 +40,11 @@ def fuzz(build, target, seconds, seed):
             "executions": int(executions.group(1)) if executions else 0, "edges": int(covered[-1]) if covered else 0}
 
 
+CORPUS_MAX = 100  # inputs of a target that are committed: every nth of what covers most
+
+
 def keep(build, target):
-    """Merges what was found into the committed corpus, as few inputs as cover the same."""
+    """Merges what was found into the committed corpus: an even choice of the inputs that cover the same."""
     corpus = HERE / "corpus" / target
     merged = build / "fuzz/merged" / target
     for folder in (corpus, merged):
@@ -53,7 +56,8 @@ def keep(build, target):
                    capture_output=True)
     for old in corpus.iterdir():
         old.unlink()
-    for new in merged.iterdir():
+    found = sorted(merged.iterdir())
+    for new in found[::len(found) // CORPUS_MAX + 1]:
         new.rename(corpus / new.name[:16])
 
 

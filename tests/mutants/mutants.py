@@ -7,7 +7,7 @@ until one fails. Outcomes:
     killed       a test failed, or the compiler refused it by a static_assert
     timeout      a test ran several times longer than it does on the original: noticed, counted apart
     survived     all tests passed
-    same code    the compiler makes the same machine code of it in every test: no test can notice; not counted
+    same code    the same machine code in every test: either it changes nothing, or no test uses the place; counts as survived
     stillborn    it does not compile for another reason; not counted
 Survivors are listed with file and line. tests/mutants/explained.txt names those that change nothing that matters, each with
 its reason; they are counted apart.
@@ -34,7 +34,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 LIB = ROOT / "lib/include/fairlead"
 EXPLAINED = pathlib.Path(__file__).with_name("explained.txt")
 SECONDS_MIN = 20
-COUNTED = ("killed", "timeout", "survived")
+COUNTED = ("killed", "timeout", "survived", "same code")
 
 
 class Tests:
@@ -196,11 +196,11 @@ def main():
             if outcome == "not run":
                 continue
             text = describe(mutant)
-            if outcome == "survived" and re.sub(r":\d+ \[[^]]*\]", ":", text) in known:
+            if outcome in ("survived", "same code") and re.sub(r":\d+ \[[^]]*\]", ":", text) in known:
                 outcome = "explained"
             outcomes[mutant[0]][outcome] += 1
-            if outcome == "survived":
-                survivors.append(text)
+            if outcome in ("survived", "same code"):
+                survivors.append(text + (" (same machine code)" if outcome == "same code" else ""))
             print(f"{outcome:9} {text}{' (by ' + by + ')' if by else ''}", flush=True)
     kinds = ["killed", "timeout", "survived", "explained", "same code", "stillborn"]
     print("\n" + f"{'folder':10}" + "".join(f"{k:>11}" for k in kinds) + "   killed of counted")

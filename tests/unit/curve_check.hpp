@@ -338,6 +338,7 @@ class CurveCheck {
     template <std::size_t... I>
     void configure(std::index_sequence<I...>) {
         (reducer_.template channel<I>().configure(tolerance_[I]), ...);
+        ((failures_[I] = reducer_.template channel<I>().failures()), ...);
     }
     void take() {
         ++report.frames;
@@ -356,6 +357,12 @@ class CurveCheck {
         auto& channel = reducer_.template channel<I>();
         auto& follower = std::get<I>(followers_);
         follower.frame_bits = 0;
+        for (int i = 0; i < 1000 && !channel.check(7); ++i) {}
+        if (channel.failures() != failures_[I]) {
+            failures_[I] = channel.failures();
+            report.wrong(report.broken, "the reducer's own check fails");
+        }
+        channel.rewind();
         follower.frame(channel, reducer_.frame(), report);
         frame_bits_ += follower.frame_bits;
         if (!channel.segment().present) return;
@@ -380,6 +387,7 @@ class CurveCheck {
     std::tuple<Follower<Channels>...> followers_{};
     std::deque<Waiting> waiting_{};
     double frame_bits_{0};
+    std::array<std::uint32_t, sizeof...(Channels)> failures_{};
 };
 
 }  // namespace fairlead::test

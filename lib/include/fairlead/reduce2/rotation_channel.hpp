@@ -111,6 +111,7 @@ class RotationChannel {
     }
     void commit(std::int32_t tick, Seam seam, std::int32_t) noexcept {
         cursor_ = {};
+        check_ = {};
         segment_ = {};
         if (!active_) return;
         const std::int32_t to = last_ ? end_tick_ : tick;
@@ -187,7 +188,16 @@ class RotationChannel {
         static_cast<void>(curve::step(c.state.chart, piece));
         return true;
     }
-    bool check(std::size_t) noexcept { return true; }
+    /// As VectorChannel::check().
+    bool check(std::size_t samples) noexcept {
+        Check& k = check_;
+        for (; k.sample < samples_.old_count(); ++k.sample) {
+            if (samples-- == 0) return false;
+            if (segment_.present && !holds(k)) ++failures_;
+        }
+        return true;
+    }
+    std::uint32_t failures() const noexcept { return failures_; }
 
   private:
     using Search = RotationSearch<Kind, BeamT, Window + 1>;
@@ -201,6 +211,12 @@ class RotationChannel {
         bool begun{false}, jumping{false}, rebase{false};
         curve::RotationState state{};
         JumpWalk<3> walk{};
+    };
+    struct Check {
+        std::size_t sample{0};
+        std::int32_t from{0}, to{0};  // of the piece, sub-ticks of the frame
+        Place v{};                    // at its start
+        std::array<curve::Polynomial<float>, 3> c{};
     };
     /// A constant's ball: the lattice place nearest to the first sample, as long as it holds.
     template <bool Old>
@@ -255,6 +271,41 @@ class RotationChannel {
         std::int32_t start_tick() const noexcept { return channel.start_tick_; }
     };
 
+    bool holds(Check& k) noexcept {
+        const curve::Moment at = samples_.old_when(k.sample);
+        if (k.sample == 0) k.from = k.to = segment_.start_tick * curve::subs_per_tick;
+        const auto behind = [&at](std::int32_t subs) {
+            const auto whole = static_cast<float>(at.tick - subs / curve::subs_per_tick);
+            const auto part = static_cast<float>(subs % curve::subs_per_tick);
+            return whole + (at.part - part / static_cast<float>(curve::subs_per_tick));
+        };
+        for (std::size_t i = 0; i <= Window * jump_parts_max && behind(k.to) > 0.0f; ++i) {
+            const curve::State<3> before =
+                cursor_.begun ? cursor_.state.chart : segment_.start.chart;
+            PieceType piece;
+            if (!next(0, piece)) return false;
+            k.from = k.to;
+            k.to += piece.subs;
+            const bool jump = piece.code == curve::code::jump;
+            const bool told = frame_told_ && !jump && cursor_.step == frame_steps_;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const auto v = static_cast<float>(jump ? cursor_.state.chart.v[a] : before.v[a]);
+                const float end =
+                    told ? target_[a] : static_cast<float>(cursor_.state.chart.v[a]);
+                k.v[a] = v;
+                k.c[a] = curve::polynomial<float>(piece.code, before.fresh, before.s[a], end - v,
+                                                  piece.subs / curve::subs_per_tick);
+            }
+        }
+        const float t = behind(k.from);
+        const Place& y = samples_.old_value(k.sample);
+        float sum = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float e = (y[a] - k.v[a]) - k.c[a].rise(t);
+            sum += e * e;
+        }
+        return sum <= full_radius_ * full_radius_;
+    }
     bool next_part(PieceType& piece) noexcept {
         Cursor& c = cursor_;
         if (!c.walk.next(Source<true>{*this}, piece)) return false;
@@ -470,6 +521,8 @@ class RotationChannel {
     Place target_{};
     Segment segment_{};
     Cursor cursor_{};
+    Check check_{};
+    std::uint32_t failures_{0};
     curve::Scale scale_{};
     float step_{1}, radius_{}, full_radius_{};
     curve::Moment newest_{};

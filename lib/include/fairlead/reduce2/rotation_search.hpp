@@ -23,8 +23,8 @@ class RotationSearch {
     static constexpr std::size_t open_max = BeamT::open;
     static constexpr int tries_max = 6;    // candidates of a hypothesis that are compared
     static constexpr int offers_max = 3;   // of these, how many it may offer
-    static constexpr int budget = 500;     // comparisons with samples a column, once it has a child
-    static constexpr int budget_hard = 1500;
+    static constexpr int budget = 300;     // comparisons with samples a column, once it has a child
+    static constexpr int budget_hard = 600;
 
     struct Child {
         std::array<std::int32_t, 3> s{};

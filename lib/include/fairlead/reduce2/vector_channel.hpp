@@ -127,6 +127,7 @@ class VectorChannel {
     /// searched again.
     void commit(std::int32_t tick, Seam seam, std::int32_t guess) noexcept {
         cursor_ = {};
+        check_ = {};
         segment_ = {};
         if (!active_) return;
         const std::int32_t to = last_ ? end_tick_ : tick;
@@ -202,9 +203,19 @@ class VectorChannel {
         return true;
     }
 
-    /// Compares some samples of the committed frame with its curve, as a decoder draws it. Call until
-    /// it returns true; failures() counts what is outside the tolerance (never).
-    bool check(std::size_t samples) noexcept { return checker_.run(*this, samples); }
+    /// Compares some samples of the committed frame with its curve, as a decoder draws it: the proof
+    /// of each frame, in portions. Uses next(): rewind() before coding. @return true: all are done;
+    /// failures() counts samples outside the tolerance, which the search's margin excludes.
+    bool check(std::size_t samples) noexcept {
+        Check& k = check_;
+        for (; k.axis < D; ++k.axis, k.sample = 0, k.piece = {}, k.to = k.from = 0) {
+            for (; k.sample < samples_.old_count(); ++k.sample) {
+                if (samples-- == 0) return false;
+                if (segment_.present && !holds(k)) ++failures_;
+            }
+        }
+        return true;
+    }
     std::uint32_t failures() const noexcept { return failures_; }
 
   private:
@@ -219,8 +230,12 @@ class VectorChannel {
         curve::State<1> state{};
         JumpWalk<1> walk{};
     };
-    struct Checker {
-        bool run(VectorChannel&, std::size_t) noexcept { return true; }
+    struct Check {
+        std::size_t axis{0}, sample{0};
+        std::int32_t from{0}, to{0};  // of the piece, sub-ticks of the frame
+        curve::State<1> before{};
+        PieceType piece{};
+        std::int32_t v{};  // at its end
     };
 
     /// A constant's box: the lattice values that hold all samples added.
@@ -267,6 +282,35 @@ class VectorChannel {
     using OldSource = Source<true>;
     using NewSource = Source<false>;
 
+    bool holds(Check& k) noexcept {
+        const curve::Moment at = samples_.old_when(k.sample);
+        const std::int32_t start = segment_.start_tick * curve::subs_per_tick;
+        if (k.sample == 0) k.from = k.to = start, k.v = segment_.start[k.axis].v[0];
+        const auto behind = [&at](std::int32_t subs) {
+            const auto whole = static_cast<float>(at.tick - subs / curve::subs_per_tick);
+            const auto part = static_cast<float>(subs % curve::subs_per_tick);
+            return whole + (at.part - part / static_cast<float>(curve::subs_per_tick));
+        };
+        for (std::size_t i = 0; i <= Window * jump_parts_max && behind(k.to) > 0.0f; ++i) {
+            k.before = cursor_.begun && cursor_.axis == k.axis ? cursor_.state
+                                                               : segment_.start[k.axis];
+            k.from = k.to;
+            if (!next(k.axis, k.piece)) return false;
+            k.to = k.from + k.piece.subs;
+            k.v = cursor_.state.v[0];
+        }
+        const bool constant = k.from == k.to || k.piece.code == curve::code::jump;
+        const std::int64_t v = constant ? k.v : k.before.v[0];
+        const auto c = curve::polynomial<float>(constant ? curve::code::jump : k.piece.code,
+                                                k.before.fresh, k.before.s[0],
+                                                static_cast<float>(k.v - v),
+                                                k.piece.subs / curve::subs_per_tick);
+        const std::int64_t x = scale_.to_fine(samples_.old_value(k.sample)[k.axis]);
+        const auto d = static_cast<float>(x - v * curve::fine);
+        const float rise = c.rise(behind(k.from)) * static_cast<float>(curve::fine);
+        const float slack = (approx::absolute(d) + approx::absolute(rise)) * rounding;
+        return approx::absolute(d - rise) <= full_radius_ + slack;
+    }
     bool next_part(std::size_t axis, PieceType& piece) noexcept {
         if (!cursor_.walk.next(OldSource{*this, axis}, piece)) return false;
         static_cast<void>(curve::step(cursor_.state, piece));
@@ -456,7 +500,7 @@ class VectorChannel {
     std::array<curve::State<1>, D> state_{};  // where the window began; v is its origin
     Segment segment_{};
     Cursor cursor_{};
-    Checker checker_{};
+    Check check_{};
     curve::Scale scale_{};
     float radius_{}, full_radius_{};
     curve::Moment newest_{};
