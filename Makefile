@@ -52,6 +52,9 @@ $(BUILD)/obj/%.o: %.cpp
 # command-line glue is wide and never hot: compile it fast
 $(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1
 
+# the pages embed their style, their scripts and Debian's libraries
+$(BUILD)/obj/host_sim/report/assets.o: $(wildcard host_sim/report/page/*)
+
 # $(call archive,NAME,SOURCES) makes lib<NAME>.a
 define archive
 $(BUILD)/lib$(1).a: $(call objects,$(2))
@@ -69,10 +72,13 @@ SISL            := host_sim/baselines/knots/sisl.cpp
 SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/baselines/%,$(call sources,host_sim/*.cpp host_sim/*/*.cpp)) \
                    $(call sources,host_sim/baselines/filters/*.cpp)
 PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
+# recordings alone: what reads and writes files, for programs that are not the simulator
+RECORDING_SOURCES := $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp
 PORT_SOURCES    := $(call sources,port/linux/*.cpp)
 GATEWAY_SOURCES := $(filter-out %_main.cpp,$(call sources,examples/gateway/*.cpp))
 GATEWAY_LIBS    := -lmodbus -lgpiod
 $(eval $(call archive,sim,$(SIM_SOURCES)))
+$(eval $(call archive,recording,$(RECORDING_SOURCES)))
 $(eval $(call archive,peers,$(PEERS_SOURCES)))
 $(eval $(call archive,port,$(PORT_SOURCES)))
 $(eval $(call archive,gateway,$(GATEWAY_SOURCES)))
@@ -82,7 +88,7 @@ RECORD       := examples/record/record.cpp examples/record/writer.cpp
 PEERS_TESTED := $(addprefix host_sim/bench_peers/,cache.cpp ours.cpp report.cpp subjects.cpp)
 GOOGLE_TEST  := -lgtest -lgtest_main
 $(eval $(call program,fairlead-sim,host_sim/sim.cpp,sim peers,-lz))
-$(eval $(call program,fairlead-record,$(RECORD),port sim,-lgpiod))
+$(eval $(call program,fairlead-record,$(RECORD),port recording,-lgpiod))
 $(foreach p,gateway poll registers,$(eval \
   $(call program,fairlead-$(p),examples/gateway/$(p)_main.cpp,gateway port sim,$(GATEWAY_LIBS))))
 $(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/measure/*.cpp),gateway port sim,$(GATEWAY_LIBS)))
