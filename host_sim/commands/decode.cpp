@@ -129,8 +129,9 @@ void add_decode(CLI::App& app) {
     at->needs(out);
     command->add_option("--events", options->events,
                         "CSV to write: the discrete events, t_ns,channel,value,gap");
-    command->add_option("--run", options->run,
-                        "Of a stream in which the board's clock has started anew: which run, from 1");
+    command->add_option(
+        "--run", options->run,
+        "Of a stream in which the board's clock has started anew: which run, from 1");
     command->add_option("--columns", options->reading.columns,
                         "Of a text file at --at: what its columns are");
     command->add_option("--units", options->reading.units, "Of a text file at --at: its units");

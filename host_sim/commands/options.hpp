@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "host_sim/recording/event_file.hpp"
 #include "host_sim/progress.hpp"
+#include "host_sim/recording/event_file.hpp"
 #include "host_sim/recording/plausible.hpp"
 #include "host_sim/recording/recording.hpp"
 #include "host_sim/recording/writers.hpp"

@@ -267,8 +267,7 @@ void read_rows(std::string_view text, const Layout& layout, const ReadOptions& o
     while (reader.next(line)) {
         if (line.comment || is_separator_line(line.text)) continue;
         if (options.progress && recording.size() % 256 == 0)
-            options.progress(static_cast<std::size_t>(line.text.data() - text.data()),
-                             text.size());
+            options.progress(static_cast<std::size_t>(line.text.data() - text.data()), text.size());
         if (line.text.find('\0') != std::string_view::npos)
             throw BadData("line " + std::to_string(line.number) +
                           ": zero bytes, as a cut of power leaves them; --salvage uses the "

@@ -4,16 +4,20 @@
 
 // The assembler reads the files, so that no copy of them stands in the tree. Paths of our own files
 // are those from the top of the tree, where the compiler runs.
-#define FAIRLEAD_EMBED(name, path)                       \
-    __asm__(".section .rodata\n"                         \
-            ".global fairlead_" #name "\n"               \
-            "fairlead_" #name ":\n.incbin \"" path "\"\n" \
-            ".global fairlead_" #name "_end\n"           \
-            "fairlead_" #name "_end:\n.byte 0\n.previous\n"); \
-    extern "C" const char fairlead_##name[];             \
-    extern "C" const char fairlead_##name##_end[];       \
-    std::string_view fairlead::sim::assets::name() {     \
-        return {fairlead_##name,                         \
+#define FAIRLEAD_EMBED(name, path)                                                  \
+    __asm__(                                                                        \
+        ".section .rodata\n"                                                        \
+        ".global fairlead_" #name                                                   \
+        "\n"                                                                        \
+        "fairlead_" #name ":\n.incbin \"" path                                      \
+        "\"\n"                                                                      \
+        ".global fairlead_" #name                                                   \
+        "_end\n"                                                                    \
+        "fairlead_" #name "_end:\n.byte 0\n.previous\n");                           \
+    extern "C" const char fairlead_##name[];                                        \
+    extern "C" const char fairlead_##name##_end[];                                  \
+    std::string_view fairlead::sim::assets::name() {                                \
+        return {fairlead_##name,                                                    \
                 static_cast<std::size_t>(fairlead_##name##_end - fairlead_##name)}; \
     }
 

@@ -62,11 +62,10 @@ std::string series_json(const Figure& figure, const Series& full, Packed& packed
 std::string figure_json(const Figure& figure, Packed& packed) {
     return "{\"id\":" + quoted(figure.id) + ",\"title\":" + quoted(figure.title) +
            ",\"unit\":" + quoted(figure.y_label) + ",\"caption\":" + quoted(figure.caption) +
-           ",\"log\":" + (figure.log_y ? "true" : "false") +
-           ",\"min\":" + number(figure.y_min) + ",\"max\":" + number(figure.y_max) +
-           ",\"series\":" + joined(figure.series, "[]", [&](const Series& s) {
-               return series_json(figure, s, packed);
-           }) +
+           ",\"log\":" + (figure.log_y ? "true" : "false") + ",\"min\":" + number(figure.y_min) +
+           ",\"max\":" + number(figure.y_max) + ",\"series\":" +
+           joined(figure.series, "[]",
+                  [&](const Series& s) { return series_json(figure, s, packed); }) +
            "}";
 }
 
@@ -186,9 +185,8 @@ std::string explorer_data(const Replay& replay, const std::vector<Figure>& figur
     Packed packed;
     std::string json = "{\"name\":" + quoted(replay.name) + ",\"end\":" + number(axis.end_s) +
                        ",\"start_ns\":\"" + std::to_string(axis.start_ns) + "\"";
-    json += ",\"charts\":" + joined(figures, "[]", [&](const Figure& f) {
-        return figure_json(f, packed);
-    });
+    json += ",\"charts\":" +
+            joined(figures, "[]", [&](const Figure& f) { return figure_json(f, packed); });
     const std::array<std::string, 3> marks{
         marks_json("knots of the position", "#7c6fd0", knot_times(replay.position, axis), packed),
         marks_json("knots of the orientation", "#b45fb0", knot_times(replay.orientation, axis),

@@ -20,65 +20,86 @@ BasicQuat<double> wide(const Quat& q) { return {d(q.w), d(q.x), d(q.y), d(q.z)};
 
 const std::array<const char*, 3> axes{"x", "y", "z"};
 
-/// Rotation vectors without jumps: of those that mean the same rotation, apart by whole turns, the
-/// one that is nearest to the one before.
+/// Rotation vectors without jumps: the principal one plus the whole turns that it has jumped back
+/// by, each about the axis of its time. Near no rotation the axis is noise, so that only a vector
+/// of more than a radian can have jumped.
 class Unwrapped {
   public:
-    BasicVec3<double> next(const Quat& q) {
-        const BasicVec3<double> r =
-            rotation_vector(normalised(BasicQuat<double>{d(q.w), d(q.x), d(q.y), d(q.z)}));
-        const double angle = norm(r);
-        // of no rotation any axis does: that of the vector before
-        const BasicVec3<double> axis = angle > 1e-6        ? (1 / angle) * r
-                                       : norm(last_) > 1e-6 ? (1 / norm(last_)) * last_
-                                                            : BasicVec3<double>{1, 0, 0};
-        const double turn = 2 * pi_v<double>;
-        const double turns = std::round((dot(axis, last_) - angle) / turn);
-        last_ = (angle + turns * turn) * axis;
+    using Vector = BasicVec3<double>;
+
+    Vector next(const Quat& q) {
+        last_ = nearest(q);
+        turns_ = last_ - rotation_vector(normalised(wide(q)));
         return last_;
+    }
+    /// Another rotation at the same time, as near to the last one as whole turns can bring it.
+    Vector nearest(const Quat& q) const {
+        const Vector r = rotation_vector(normalised(wide(q)));
+        const double angle = norm(r);
+        Vector best = r + turns_;
+        if (angle < 1) return best;
+        for (const double sign : {-1.0, 1.0}) {
+            const Vector other = r + turns_ + (sign * 2 * pi_v<double> / angle) * r;
+            if (norm(other - last_) < norm(best - last_)) best = other;
+        }
+        return best;
     }
 
   private:
-    BasicVec3<double> last_{};
+    Vector last_{}, turns_{};
 };
 
 std::array<double, 3> as_array(const BasicVec3<double>& v) { return {v.x, v.y, v.z}; }
 
-/// Three lines over poses: position in m, or the unwrapped rotation vector in degrees.
-std::array<Series, 3> component_series(const std::vector<Pose>& poses, const TimeAxis& axis,
-                                       bool position) {
-    std::array<std::vector<double>, 3> values;
+using Components = std::array<std::vector<double>, 3>;
+
+/// Position in m, or the rotation vector in degrees, before and after.
+void components(const Replay& replay, bool position, Components& before, Components& after) {
+    const std::uint32_t valid = position ? flag::position_valid : flag::orientation_valid;
     Unwrapped unwrapped;
-    for (const Pose& pose : poses) {
-        const std::uint32_t valid = position ? flag::position_valid : flag::orientation_valid;
-        std::array<double, 3> v{none, none, none};
-        if ((pose.flags & valid) != 0)
-            v = position ? std::array<double, 3>{d(pose.p_w_m.x), d(pose.p_w_m.y), d(pose.p_w_m.z)}
-                         : as_array(deg * unwrapped.next(pose.q_wb));
-        for (std::size_t k = 0; k < 3; ++k) values[k].push_back(v[k]);
+    const auto put = [](Components& out, const std::array<double, 3>& v) {
+        for (std::size_t k = 0; k < 3; ++k) out[k].push_back(v[k]);
+    };
+    const auto place = [](const Pose& pose) {
+        return std::array<double, 3>{d(pose.p_w_m.x), d(pose.p_w_m.y), d(pose.p_w_m.z)};
+    };
+    const std::array<double, 3> missing{none, none, none};
+    for (std::size_t i = 0; i < replay.raw.size(); ++i) {
+        const Pose& pose = replay.raw[i];
+        const bool known = (pose.flags & valid) != 0;
+        put(before, !known     ? missing
+                    : position ? place(pose)
+                               : as_array(deg * unwrapped.next(pose.q_wb)));
+        if (i >= replay.decoded.size()) continue;
+        const Pose& curve = replay.decoded[i];
+        put(after, (curve.flags & valid) == 0 ? missing
+                   : position                 ? place(curve)
+                                              : as_array(deg * unwrapped.nearest(curve.q_wb)));
     }
-    std::array<Series, 3> out;
-    for (std::size_t k = 0; k < 3; ++k)
-        out[k] = series(poses, axis, [&](std::size_t i) { return values[k][i]; });
-    return out;
 }
 
 /// Before and after, component by component.
 Figure course(const Replay& replay, const TimeAxis& axis, bool position) {
     Figure figure =
-        position ? framed("position", "Position, before and after", "m",
-                          "Grey: what the sensor said. Colour: the curve that a reader decodes.",
-                          axis)
-                 : framed("orientation", "Orientation, before and after", "deg",
-                          "Rotation vector from body to world, without jumps at whole turns. Grey: "
-                          "before. Colour: the curve that a reader decodes.",
-                          axis);
+        position
+            ? framed("position", "Position, before and after", "m",
+                     "Grey: what the sensor said. Colour: the curve that a reader decodes.", axis)
+            : framed("orientation", "Orientation, before and after", "deg",
+                     "Rotation vector from body to world, without jumps at whole turns. Grey: "
+                     "before. Colour: the curve that a reader decodes.",
+                     axis);
     const std::string source = replay.attitude ? "estimate " : "sensor ";
-    const auto before = component_series(replay.raw, axis, position);
-    const auto after = component_series(replay.decoded, axis, position);
-    for (std::size_t k = 0; k < 3; ++k)
-        add(figure, styled(before[k], (source + axes[k]).c_str(), raw_colour, 2.2));
-    for (std::size_t k = 0; k < 3; ++k) add(figure, styled(after[k], axes[k], colours[k], 1.2));
+    Components before, after;
+    components(replay, position, before, after);
+    const auto lines = [&](const std::vector<Pose>& poses, const Components& values,
+                           const std::string& name, const char* colour, double width) {
+        for (std::size_t k = 0; k < 3; ++k)
+            add(figure,
+                styled(series(poses, axis, [&](std::size_t i) { return values[k][i]; }),
+                       (name + axes[k]).c_str(), colour != nullptr ? colour : colours[k], width));
+    };
+    lines(replay.raw, before, source, raw_colour, 2.2);
+    lines(replay.decoded, after, "", nullptr, 1.2);
     figure.height = 270;
     return figure;
 }

@@ -20,8 +20,8 @@ std::string base64(const std::string& bytes) {
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         std::uint32_t word = 0;
         for (std::size_t k = 0; k < 3; ++k)
-            word = word << 8 |
-                   (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+            word =
+                word << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
         const std::size_t have = std::min<std::size_t>(3, bytes.size() - i);
         for (std::size_t k = 0; k < 4; ++k)
             out += k <= have ? digits[word >> (18 - 6 * k) & 63u] : '=';
@@ -55,13 +55,15 @@ std::string Packed::add_values(const std::vector<double>& values) {
     for (const double v : values)
         if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     if (!(low <= high)) low = 0, high = 1;
-    const double step = high > low ? (high - low) / levels : 1;
+    const double step = high > low ? (high - low) / levels : 0;
     const std::size_t at = bytes_.size();
     std::vector<std::uint32_t> words;
     std::uint32_t last = 0;
     for (const double v : values) {
-        const std::uint32_t level =
-            std::isfinite(v) ? static_cast<std::uint32_t>(std::lround((v - low) / step)) : no_value;
+        const std::uint32_t level = !std::isfinite(v) ? no_value
+                                    : step > 0
+                                        ? static_cast<std::uint32_t>(std::lround((v - low) / step))
+                                        : 0;
         words.push_back((level - last) & 65535u);
         last = level;
     }

@@ -96,7 +96,8 @@ std::string report_page(const Replay& replay) {
     std::string page = page_head(replay.name);
     lead(page, replay);
     cards(page, replay);
-    page += "<div id=\"explorer\"><noscript>The charts need a browser with scripts.</noscript></div>\n";
+    page +=
+        "<div id=\"explorer\"><noscript>The charts need a browser with scripts.</noscript></div>\n";
     table(page, replay);
     page += explorer_data(replay, figures_of(replay)) + explorer_scripts();
     return page + page_foot("fairlead-sim replay");

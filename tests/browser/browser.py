@@ -69,7 +69,7 @@ def main(module="__main__"):
     """Runs the test_ functions of a script; lines as tests/run counts them."""
     failed = 0
     for name, test in list(vars(sys.modules[module]).items()):
-        if not name.startswith("test_") or not callable(test):
+        if not name.startswith("test_") or (sys.argv[1:] and name not in sys.argv[1:]) or not callable(test):
             continue
         with tempfile.TemporaryDirectory(prefix="fairlead-browser-") as folder:
             try:

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The report in a real browser: it opens without errors and without network, charts zoom and point
 together, series and marks switch, playback moves the body, exports hold what is shown."""
-import json
+import math
 import time
 
 from selenium.webdriver.common.action_chains import ActionChains
@@ -47,6 +47,8 @@ def test_it_opens_without_errors_and_asks_nothing_of_the_network(folder):
         assert "orientation" in charts and "delay" in charts, charts
         assert page.run("return report.view !== null"), "the body needs WebGL"
         page.shot("report")
+        page.run("document.getElementById('chart-position').scrollIntoView()")
+        page.shot("report_charts")
 
 
 def test_zoom_moves_all_charts(folder):
@@ -109,7 +111,7 @@ def test_switches_hide_series_marks_and_bands(folder):
         marks = page.run("return report.group.marks.map((m) => [m.name, m.times.length])")
         assert any("knots" in n and c > 10 for n, c in marks) and any(n == "frames" for n, c in marks)
         before = page.run("return document.querySelector('.plot canvas').toDataURL()")
-        for box in page.driver.find_elements(By.CSS_SELECTOR, ".bar .marks input"):
+        for box in page.driver.find_elements(By.CSS_SELECTOR, ".marks input"):
             page.run("arguments[0].click()", box)
         assert page.run("return report.group.bands.every((b) => !b.on)")
         assert page.run("return document.querySelector('.plot canvas').toDataURL()") != before
@@ -160,13 +162,17 @@ def test_exports_hold_what_is_shown(folder):
 
 
 def test_dark_light_and_a_phone(folder):
-    with Browser(folder, 390, 800) as page:
+    with Browser(folder) as page:
+        page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": True})
         opened(page, folder)
+        assert page.run("return innerWidth") == 390
         assert page.run("return document.documentElement.scrollWidth <= innerWidth"), "no sideways scrolling"
         colours = set()
         for _ in range(2):
             page.run("theme.click()")
             colours.add(page.run("return getComputedStyle(document.body).backgroundColor"))
+            page.run("document.getElementById('chart-orientation').scrollIntoView()")
             page.shot(f"report_phone_{len(colours)}")
         assert len(colours) == 2, colours
         widths = page.run("return [...document.querySelectorAll('.plot')].map((p) => p.clientWidth)")
@@ -174,12 +180,21 @@ def test_dark_light_and_a_phone(folder):
 
 
 def test_rotation_vectors_do_not_jump(folder):
+    """A body that spins about a fixed axis: the angle grows over many turns."""
+    rows = ["t_ns,qw,qx,qy,qz"]
+    for i in range(2000):
+        half = 0.03 * i
+        rows.append(f"{i * 10000000},{math.cos(half):.9f},{0.6 * math.sin(half):.9f},0,{0.8 * math.sin(half):.9f}")
+    (folder / "spin.csv").write_text("\n".join(rows) + "\n")
+    sim("replay", folder / "spin.csv", "--out", folder)
     with Browser(folder) as page:
-        opened(page, folder, "model:optical+rest:1+turn:4:10+turn:4:10+rest:1", "")
-        jump = page.run("""const c = report.group.charts.find((c) => c.data.id === 'orientation');
+        page.driver.get((folder / "report.html").as_uri())
+        page.until("document.documentElement.dataset.ready", "the report is ready")
+        jump, last = page.run("""const c = report.group.charts.find((c) => c.data.id === 'orientation');
             let most = 0; for (const s of c.data.series) for (let i = 1; i < s.y.length; ++i)
-              most = Math.max(most, Math.abs(s.y[i] - s.y[i - 1]) || 0); return most;""")
-        assert jump < 30, jump
+              most = Math.max(most, Math.abs(s.y[i] - s.y[i - 1]) || 0); return [most, c.data.series[5].y.at(-1)];""")
+        assert jump < 5, jump
+        assert abs(last - 0.8 * math.degrees(0.06 * 1999)) < 1, last
 
 
 if __name__ == "__main__":

@@ -20,8 +20,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const Recording recording = parse_recording(text, "Gyroscope.csv", options);
         static_cast<void>(doubts(recording));
         // what was read can be written, and reads back to as many records
-        const std::string again = recording.samples.empty() ? to_poses_csv(recording.poses)
-                                                            : to_imu_csv(recording);
+        const std::string again =
+            recording.samples.empty() ? to_poses_csv(recording.poses) : to_imu_csv(recording);
         if (!recording.samples.empty() || !recording.poses.empty()) {
             try {
                 if (parse_recording(again, "again").size() != recording.size()) __builtin_trap();

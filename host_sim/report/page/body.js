@@ -61,7 +61,7 @@ const Body = (() => {
       this.scene = new THREE.Scene();
       this.camera = new THREE.PerspectiveCamera(40, 1, 0.1, 500);
       this.camera.up.set(0, 0, 1);
-      const far = size > 0 ? 15 : 4.6;
+      const far = size > 0 ? 13 : 4.6;
       this.camera.position.set(-0.62 * far, -0.62 * far, 0.48 * far);
       this.scene.add(new THREE.AmbientLight(0xffffff, 0.65));
       const light = new THREE.DirectionalLight(0xffffff, 0.6);

@@ -27,9 +27,9 @@
   const theme = button("◐", "dark or light");
   theme.id = "theme";
   const switches = element("div", { class: "marks" });
-  const bar = element("div", { class: "bar" }, play, scrub, clock, speed, into, all, theme, switches);
+  const bar = element("div", { class: "bar" }, play, scrub, clock, speed, into, all, theme);
   const stage = element("div", { class: "body3d", id: "body" });
-  root.replaceChildren(stage, bar);
+  root.replaceChildren(stage, bar, switches);
   for (const item of [...group.marks, ...group.bands]) {
     const input = element("input", { type: "checkbox" });
     input.checked = item.on;
