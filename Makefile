@@ -187,7 +187,7 @@ FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=
 $(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp $(LIB_HEADERS) $(call sources,tests/fuzz/*.hpp tests/pipeline/*.hpp)
 	@mkdir -p $(@D)
 	$(call step,$<) clang++ $(BASE) -Wno-double-promotion $(FUZZ_FLAGS) $(filter %.cpp %.a,$^) $(FUZZ_LIBS) -o $@
-$(BUILD)/fuzz/recording: $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp
+$(addprefix $(BUILD)/fuzz/,recording read_text read_binary read_events): $(RECORDING_SOURCES)
 $(BUILD)/fuzz/config: $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp toml_parser.cpp) \
                       $(addprefix $(BUILD)/,libgateway.a libport.a libsim.a)
 $(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
@@ -196,6 +196,11 @@ mutants: $(BUILD)/libsim.a ## [build script test reference] mutation testing of 
 	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
 fuzz: $(FUZZ_TARGETS) ## [build clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
+
+.PHONY: browser-test
+browser-test: sim ## [script browser] drive the report in headless Chromium: zoom, cursor, playback (a minute)
+	@BUILD=$(BUILD) tests/run tests/browser/test_report.py
+	@grep -h ' MB, ready after ' $(BUILD)/browser/figures.txt
 
 .PHONY: gateway-peers gateway-firmware gateway-sanitize gateway-measure linux-vm-test
 gateway-peers: gateway ## [script modbus-peers] other people's Modbus clients against the gateway, TCP and RTU

@@ -50,11 +50,13 @@ class CurveList {
         }
         pieces_.push_back(piece);
     }
-    /// The piece does not go on from these, nor repeat one of them: the clock of its encoder has
-    /// started anew.
+    /// The piece does not go on from these, nor repeat one of the last, as a decoder does that lost
+    /// its step: the clock of the encoder has started anew.
     bool starts_anew(const Piece& piece) const {
         if (pieces_.empty() || piece.t0_ns() >= pieces_.back().t0_ns()) return false;
-        return std::none_of(pieces_.rbegin(), pieces_.rend(),
+        constexpr std::size_t repeated_most = 4;
+        const std::size_t n = std::min(repeated_most, pieces_.size());
+        return std::none_of(pieces_.rbegin(), pieces_.rbegin() + static_cast<std::ptrdiff_t>(n),
                             [&](const Piece& p) { return p.t0_ns() == piece.t0_ns(); });
     }
 

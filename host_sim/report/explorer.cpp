@@ -202,8 +202,9 @@ std::string explorer_data(const Replay& replay, const std::vector<Figure>& figur
 }
 
 std::string explorer_scripts() {
-    std::string out = "<style>\n" + std::string(assets::dygraphs_style()) +
-                      std::string(assets::page_style()) + "</style>\n";
+    std::string out = std::string(assets::licences()) + "<style>\n" +
+                      std::string(assets::dygraphs_style()) + std::string(assets::page_style()) +
+                      "</style>\n";
     for (const std::string_view part :
          {assets::dygraphs_script(), assets::three_script(), assets::orbit_script(),
           assets::body_script(), assets::chart_script(), assets::report_script()})

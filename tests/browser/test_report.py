@@ -7,7 +7,7 @@ import time
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
-from browser import Browser, main, sim
+from browser import SHOTS, Browser, main, sim
 
 POSES = "model:optical+rest:1+reach:0.7:8+gap:0.4+turn:1:10+oscillate:4:1+lose:position:0.5+rest:1"
 IMU = "model:icm42688p+rest:4+turn:1.5:3+reach:0.8:4+gap:0.3+turn:1+rest:2"
@@ -195,6 +195,20 @@ def test_rotation_vectors_do_not_jump(folder):
               most = Math.max(most, Math.abs(s.y[i] - s.y[i - 1]) || 0); return [most, c.data.series[5].y.at(-1)];""")
         assert jump < 5, jump
         assert abs(last - 0.8 * math.degrees(0.06 * 1999)) < 1, last
+
+
+def test_a_long_recording_stays_small_and_opens_fast(folder):
+    """194 s of an IMU at 285.7 Hz: below 4 MB; how long it takes to open is printed."""
+    spec = "model:icm42688p+rate:285.714+rest:4+" + "+".join(["reach:0.8:20", "oscillate:20:1.2", "turn:1.5:6"] * 4) + "+rest:5"
+    with Browser(folder) as page:
+        opened(page, folder, spec, "")
+        page.shot("report_long")
+        seconds, size = page.run("return report.data.end"), (folder / "report.html").stat().st_size
+        assert seconds > 180 and size < 4e6 * seconds / 194, (seconds, size)
+        zoom = page.run("const t = performance.now(); report.group.setWindow(20, 30); return performance.now() - t")
+        figures = (f"{seconds:.0f} s of an IMU: {size / 1e6:.2f} MB, ready after "
+              f"{page.run('return document.documentElement.dataset.ready')} ms, a zoom takes {zoom:.0f} ms\n")
+        (SHOTS / "figures.txt").write_text(figures)
 
 
 if __name__ == "__main__":
