@@ -54,6 +54,7 @@ $(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1
 
 # the pages embed their style, their scripts and Debian's libraries
 $(BUILD)/obj/host_sim/report/assets.o: $(wildcard host_sim/report/page/*)
+$(BUILD)/obj/examples/live/page.o: $(wildcard examples/live/page/*)
 
 # $(call archive,NAME,SOURCES) makes lib<NAME>.a
 define archive
@@ -91,6 +92,7 @@ $(eval $(call program,fairlead-sim,host_sim/sim.cpp,sim peers,-lz))
 $(eval $(call program,fairlead-record,$(RECORD),port recording,-lgpiod))
 $(foreach p,gateway poll registers,$(eval \
   $(call program,fairlead-$(p),examples/gateway/$(p)_main.cpp,gateway port sim,$(GATEWAY_LIBS))))
+$(eval $(call program,fairlead-live,$(call sources,examples/live/*.cpp),gateway port sim,$(GATEWAY_LIBS) -lcpp-httplib -lz))
 $(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/measure/*.cpp),gateway port sim,$(GATEWAY_LIBS)))
 $(foreach e,attitude filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
 $(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,sim))
@@ -150,11 +152,12 @@ test: $(TESTED) ## [build demo script gateway test reference] build and run all 
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 
 ##@ Build
-.PHONY: all sim record gateway headers registers readme clean
-all: sim record gateway ## [] build every program that a user runs
+.PHONY: all sim record gateway live headers registers readme clean
+all: sim record gateway live ## [] build every program that a user runs
 sim: $(BUILD)/fairlead-sim ## [build] build the host simulator, build/fairlead-sim
 record: $(BUILD)/fairlead-record ## [build port] build the recorder, build/fairlead-record
 gateway: $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll ## [build gateway] build the gateway and its reader: build/fairlead-gateway, build/fairlead-poll
+live: $(BUILD)/fairlead-live ## [build gateway live] build the live view, build/fairlead-live
 headers: $(HEADERS_OK) ## [compile] compile every public header alone, under the strict flags
 registers: $(BUILD)/fairlead-registers ## [build gateway] write docs/registers.md and the client configurations from the register map
 	@mkdir -p examples/gateway/clients
@@ -198,8 +201,9 @@ fuzz: $(FUZZ_TARGETS) ## [build clang sanitize script] search for crashes and br
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
 
 .PHONY: browser-test
-browser-test: sim ## [script browser] drive the report in headless Chromium: zoom, cursor, playback (a minute)
-	@BUILD=$(BUILD) tests/run tests/browser/test_report.py
+browser-test: sim gateway live ## [script browser cortex-m cortex-m-emulator] drive report and live view in headless Chromium: zoom, cursor, playback (two minutes)
+	+@$(TARGET) $(BUILD)/target/firmware/firmware.elf
+	@BUILD=$(BUILD) tests/run tests/browser/test_report.py tests/browser/test_live.py
 	@grep -h ' MB, ready after ' $(BUILD)/browser/figures.txt
 
 .PHONY: gateway-peers gateway-firmware gateway-sanitize gateway-measure linux-vm-test
