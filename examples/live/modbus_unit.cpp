@@ -1,6 +1,6 @@
 #include "examples/live/modbus_unit.hpp"
 
-#include <modbus.h>
+#include <modbus/modbus.h>
 
 #include <array>
 
