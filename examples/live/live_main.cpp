@@ -183,7 +183,10 @@ int main(int argc, char** argv) {
     }
     try {
         const auto source = make_source(flags);
-        return serve(flags, *source, flags.replay + flags.serial + flags.gateway);
+        // of a file its name alone: folders are nobody's business
+        return serve(
+            flags, *source,
+            flags.replay.empty() ? flags.serial + flags.gateway : sim::stem_of(flags.replay));
     } catch (const std::invalid_argument& error) {
         std::fprintf(stderr, "fairlead-live: %s\n", error.what());
         return EX_USAGE;

@@ -56,12 +56,12 @@ def watch(page, url, shot):
 
 
 def test_a_replay(folder):
-    with Live("--replay", replayed(folder)) as live, Browser(folder) as page:
+    with Live("--replay", replayed(folder), "--loop") as live, Browser(folder) as page:
         watch(page, live.url, "live_replay")
 
 
 def test_a_unit_of_a_gateway(folder):
-    gateway = subprocess.Popen([BUILD / "fairlead-gateway", "--replay", replayed(folder), "--listen", "127.0.0.1:0"],
+    gateway = subprocess.Popen([BUILD / "fairlead-gateway", "--replay", replayed(folder), "--loop", "--listen", "127.0.0.1:0"],
                                stderr=subprocess.PIPE, text=True)
     try:
         port = re.search(r"ready port=(\d+)", gateway.stderr.readline()).group(1)
@@ -97,7 +97,7 @@ def ask(port, method, path, headers=None):
 
 
 def test_it_is_read_only_and_for_this_machine(folder):
-    with Live("--replay", replayed(folder)) as live:
+    with Live("--replay", replayed(folder), "--loop") as live:
         for method in ("POST", "PUT", "DELETE"):
             for path in ("/", "/values", "/anything"):
                 connection, response = ask(live.port, method, path)
@@ -112,7 +112,7 @@ def test_it_is_read_only_and_for_this_machine(folder):
 
 
 def test_sixteen_viewers_and_no_more(folder):
-    with Live("--replay", replayed(folder)) as live:
+    with Live("--replay", replayed(folder), "--loop") as live:
         open_ones = [ask(live.port, "GET", "/values") for _ in range(16)]
         for _, response in open_ones:
             assert response.status == 200 and response.readline().startswith(b"data: {")
