@@ -1,4 +1,5 @@
 #include "host_sim/attitude_run.hpp"
+#include "host_sim/progress.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -54,7 +55,9 @@ std::vector<Pose> run(const Recording& recording, const Delivered& in,
     Intake<Sample> intake;
     Filter filter{params};
     std::vector<Pose> out;
+    Progress progress{"attitude", in.samples.size()};
     for (std::size_t i = 0; i < in.samples.size(); ++i) {
+        progress.show(i);
         const auto sample = intake.push(in.samples[i]);
         if (!sample) continue;
         auto pose = filter.push(*sample);
