@@ -52,6 +52,10 @@ $(BUILD)/obj/%.o: %.cpp
 # command-line glue is wide and never hot: compile it fast
 $(BUILD)/obj/host_sim/commands/%.o $(BUILD)/obj/host_sim/sim.o: GLUE := -O1
 
+# the pages embed their style, their scripts and Debian's libraries
+$(BUILD)/obj/host_sim/report/assets.o: $(wildcard host_sim/report/page/*)
+$(BUILD)/obj/examples/live/page.o: $(wildcard examples/live/page/*)
+
 # $(call archive,NAME,SOURCES) makes lib<NAME>.a
 define archive
 $(BUILD)/lib$(1).a: $(call objects,$(2))
@@ -69,10 +73,13 @@ SISL            := host_sim/baselines/knots/sisl.cpp
 SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/baselines/%,$(call sources,host_sim/*.cpp host_sim/*/*.cpp)) \
                    $(call sources,host_sim/baselines/filters/*.cpp)
 PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
+# recordings alone: what reads and writes files, for programs that are not the simulator
+RECORDING_SOURCES := $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp
 PORT_SOURCES    := $(call sources,port/linux/*.cpp)
 GATEWAY_SOURCES := $(filter-out %_main.cpp,$(call sources,examples/gateway/*.cpp))
 GATEWAY_LIBS    := -lmodbus -lgpiod
 $(eval $(call archive,sim,$(SIM_SOURCES)))
+$(eval $(call archive,recording,$(RECORDING_SOURCES)))
 $(eval $(call archive,peers,$(PEERS_SOURCES)))
 $(eval $(call archive,port,$(PORT_SOURCES)))
 $(eval $(call archive,gateway,$(GATEWAY_SOURCES)))
@@ -82,9 +89,10 @@ RECORD       := examples/record/record.cpp examples/record/writer.cpp
 PEERS_TESTED := $(addprefix host_sim/bench_peers/,cache.cpp ours.cpp report.cpp subjects.cpp)
 GOOGLE_TEST  := -lgtest -lgtest_main
 $(eval $(call program,fairlead-sim,host_sim/sim.cpp,sim peers,-lz))
-$(eval $(call program,fairlead-record,$(RECORD),port sim,-lgpiod))
+$(eval $(call program,fairlead-record,$(RECORD),port recording,-lgpiod))
 $(foreach p,gateway poll registers,$(eval \
   $(call program,fairlead-$(p),examples/gateway/$(p)_main.cpp,gateway port sim,$(GATEWAY_LIBS))))
+$(eval $(call program,fairlead-live,$(call sources,examples/live/*.cpp),gateway port sim,$(GATEWAY_LIBS) -lcpp-httplib -lz))
 $(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/measure/*.cpp),gateway port sim,$(GATEWAY_LIBS)))
 $(foreach e,attitude filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
 $(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,sim))
@@ -145,11 +153,12 @@ test: $(TESTED) ## [build demo script gateway test reference] build and run all 
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 
 ##@ Build
-.PHONY: all sim record gateway headers registers readme clean
-all: sim record gateway ## [] build every program that a user runs
+.PHONY: all sim record gateway live headers registers readme clean
+all: sim record gateway live ## [] build every program that a user runs
 sim: $(BUILD)/fairlead-sim ## [build] build the host simulator, build/fairlead-sim
 record: $(BUILD)/fairlead-record ## [build port] build the recorder, build/fairlead-record
 gateway: $(BUILD)/fairlead-gateway $(BUILD)/fairlead-poll ## [build gateway] build the gateway and its reader: build/fairlead-gateway, build/fairlead-poll
+live: $(BUILD)/fairlead-live ## [build gateway live] build the live view, build/fairlead-live
 headers: $(HEADERS_OK) ## [compile] compile every public header alone, under the strict flags
 registers: $(BUILD)/fairlead-registers ## [build gateway] write docs/registers.md and the client configurations from the register map
 	@mkdir -p examples/gateway/clients
@@ -182,7 +191,7 @@ FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=
 $(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp $(LIB_HEADERS) $(call sources,tests/fuzz/*.hpp tests/pipeline/*.hpp)
 	@mkdir -p $(@D)
 	$(call step,$<) clang++ $(BASE) -Wno-double-promotion $(FUZZ_FLAGS) $(filter %.cpp %.a,$^) $(FUZZ_LIBS) -o $@
-$(BUILD)/fuzz/recording: $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp
+$(addprefix $(BUILD)/fuzz/,recording read_text read_binary read_events): $(RECORDING_SOURCES)
 $(BUILD)/fuzz/config: $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp toml_parser.cpp) \
                       $(addprefix $(BUILD)/,libgateway.a libport.a libsim.a)
 $(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
@@ -195,6 +204,12 @@ mutants: $(BUILD)/libsim.a ## [build script test reference] mutation testing of 
 	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
 fuzz: $(FUZZ_TARGETS) ## [build clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
+
+.PHONY: browser-test
+browser-test: sim gateway live ## [script browser cortex-m cortex-m-emulator] drive report and live view in headless Chromium: zoom, cursor, playback (two minutes)
+	+@$(TARGET) $(BUILD)/target/firmware/firmware.elf
+	@BUILD=$(BUILD) tests/run tests/browser/test_report.py tests/browser/test_live.py
+	@grep -h ' MB, ready after ' $(BUILD)/browser/figures.txt
 
 .PHONY: gateway-peers gateway-firmware gateway-sanitize gateway-measure linux-vm-test
 gateway-peers: gateway ## [script modbus-peers] other people's Modbus clients against the gateway, TCP and RTU
@@ -217,8 +232,10 @@ $(SANITIZERS:%=gateway-sanitize-%): gateway-sanitize-%:
 	  $(SANITIZED)/fairlead-gateway-measure --gateway $(SANITIZED)/fairlead-gateway --seconds 20 $$run; done
 comma := ,
 MEASURED := torn load history noise noise-table restart '--seconds 20 allocations' '--seconds 600 memory'
-gateway-measure: gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so ## [] the figures of docs/gateway.md: a quarter of an hour
+gateway-measure: gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so ## [script] the figures of docs/gateway.md: a quarter of an hour
 	@set -e; for what in $(MEASURED); do echo "fairlead-gateway-measure $$what"; $(BUILD)/fairlead-gateway-measure $$what; done
+	@/usr/bin/python3 tests/gateway/rtu.py $(BUILD)
+	@/usr/bin/python3 tests/gateway/reloads.py $(BUILD)
 VM_RECORDING := $(or $(firstword $(wildcard $(RECORDINGS)/08*.imu $(RECORDINGS)/*.imu)),-)
 linux-vm-test: gateway $(VM_PROGRAMS) ## [linux-vm] boot a Debian kernel under QEMU and run the port against it (minutes)
 	@tests/linux_vm/run $(BUILD) $(VM_RECORDING)
@@ -262,6 +279,12 @@ experiments: sim ## [demo] rerun the papers' experiments: rewrites the tables an
 	$(BUILD)/fairlead-sim experiment all --out docs/experiments
 attitude-table: $(BUILD)/bench-attitude ## [build reference] measure orientation on all recordings and rewrite the tables of docs/attitude.md
 	$< table $(RECORDINGS) --into docs/attitude.md
+attitude-foreign: $(BUILD)/bench-attitude ## [build reference] orientation on other devices and simulations, beside other filters: tables of docs/attitude.md
+	$(BUILD)/bench-attitude foreign $(RECORDINGS)/foreign --into docs/attitude.md
+attitude-smooth: $(BUILD)/bench-attitude ## [build reference] what smoothing is worth, whole recordings and fixed lags: table of docs/attitude.md
+	$(BUILD)/bench-attitude smooth $(RECORDINGS) --into docs/attitude.md
+attitude-locks: $(BUILD)/bench-attitude ## [build reference] 1000 starts in motion, 1000 upside-down losses: no wrong state may last (minutes)
+	$(BUILD)/bench-attitude locks --into docs/attitude.md
 attitude-day: $(BUILD)/bench-attitude ## [build reference] a day of recordings on end: float beside double, covariance positive throughout
 	$< day $(RECORDINGS)
 attitude-counts: ## [compile script cortex-m cortex-m-emulator] instructions of an attitude sample on a Cortex-M4F, all recordings, against their budgets

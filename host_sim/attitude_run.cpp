@@ -1,4 +1,5 @@
 #include "host_sim/attitude_run.hpp"
+#include "host_sim/progress.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -14,8 +15,6 @@
 
 namespace fairlead::sim {
 namespace {
-
-constexpr double rad_to_deg = 57.295779513082320877;
 
 /// The samples that reach the filter, with the time stamps it sees; `index` tells which they were.
 struct Delivered {
@@ -56,7 +55,9 @@ std::vector<Pose> run(const Recording& recording, const Delivered& in,
     Intake<Sample> intake;
     Filter filter{params};
     std::vector<Pose> out;
+    Progress progress{"attitude", in.samples.size()};
     for (std::size_t i = 0; i < in.samples.size(); ++i) {
+        progress.show(i);
         const auto sample = intake.push(in.samples[i]);
         if (!sample) continue;
         auto pose = filter.push(*sample);
@@ -85,50 +86,6 @@ std::vector<Pose> run_attitude(const Recording& recording, AttitudeMode mode,
         case AttitudeMode::imu_mag: break;
     }
     return run<Attitude>(recording, in, params);
-}
-
-OrientationError orientation_error(const Quat& estimate, const Quat& truth) {
-    const auto wide = [](const Quat& q) {
-        return BasicQuat<double>{static_cast<double>(q.w), static_cast<double>(q.x),
-                                 static_cast<double>(q.y), static_cast<double>(q.z)};
-    };
-    const BasicQuat<double> e = wide(estimate) * conj(wide(truth));
-    return {2 * std::acos(std::min(1.0, std::abs(e.w))),
-            2 * std::atan2(std::copysign(1.0, e.w) * e.z, std::abs(e.w)),
-            2 * std::acos(std::min(1.0, std::hypot(e.w, e.z)))};
-}
-
-Score score(const Recording& recording, const std::vector<Pose>& estimate, double from_s,
-            double to_s) {
-    if (recording.truth.size() != recording.samples.size() || recording.truth.empty())
-        throw BadData(recording.name + ": holds no reference orientation");
-    Score out;
-    std::size_t i = 0;
-    const std::int64_t t0 = recording.samples.front().t_ns;
-    for (const Pose& pose : estimate) {
-        while (i < recording.samples.size() && recording.samples[i].t_ns < pose.t_ns) ++i;
-        if (i == recording.samples.size()) break;
-        if (recording.samples[i].t_ns != pose.t_ns) continue;
-        const double t_s = static_cast<double>(pose.t_ns - t0) * 1e-9;
-        const bool moving = i < recording.moving.size() && recording.moving[i] != 0;
-        if (!moving || (recording.truth[i].flags & flag::orientation_valid) == 0) continue;
-        if (t_s < from_s || t_s >= to_s) continue;
-        const OrientationError e = orientation_error(pose.q_wb, recording.truth[i].q_wb);
-        if (!std::isfinite(e.total + e.heading + e.inclination)) {
-            ++out.not_finite;
-            continue;
-        }
-        out.total_deg += e.total * e.total;
-        out.heading_deg += e.heading * e.heading;
-        out.inclination_deg += e.inclination * e.inclination;
-        out.worst_inclination_deg = std::max(out.worst_inclination_deg, rad_to_deg * e.inclination);
-        ++out.count;
-    }
-    const auto n = static_cast<double>(std::max<std::size_t>(out.count, 1));
-    out.total_deg = rad_to_deg * std::sqrt(out.total_deg / n);
-    out.heading_deg = rad_to_deg * std::sqrt(out.heading_deg / n);
-    out.inclination_deg = rad_to_deg * std::sqrt(out.inclination_deg / n);
-    return out;
 }
 
 double movement_start_s(const Recording& recording) {

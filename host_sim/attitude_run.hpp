@@ -54,6 +54,15 @@ struct Score {
 Score score(const Recording& recording, const std::vector<Pose>& estimate, double from_s = -1e9,
             double to_s = 1e9);
 
+/// What a score leaves out: a constant heading offset (a reference that is level but not
+/// north-aligned), or a constant rotation between the reference's world and the estimate's.
+enum class Align : std::uint8_t { none, heading, rotation };
+
+/// The estimate with its own constant offset to the reference removed, over the samples that
+/// score() counts. Heading: a robust circular mean; rotation: the mean quaternion [Markley 2007].
+std::vector<Pose> aligned(const Recording& recording, std::vector<Pose> estimate, Align align,
+                          double from_s = -1e9, double to_s = 1e9);
+
 /// Start of the movement phase, s from the recording's start.
 double movement_start_s(const Recording& recording);
 

@@ -3,23 +3,65 @@
 namespace fairlead::sim {
 namespace {
 
+/// Takes what a frame says of one channel; where its clock has started anew, into a new run.
 template <class List, class Link>
-void follow(List& list, const Link& link, const Decoder::Update& update, std::uint32_t tick_ns) {
-    if (update.piece)
-        list.add({link.curve, link.scale, tick_ns, update.begins, update.breaks,
-                  !update.begins && !update.rejoined, 0, 0, 0});
-    if (!update.piece || (update.rejoined && link.cover_ticks > 0)) list.cover(link.cover_ticks);
+void follow(std::vector<CurveRun>& runs, List CurveRun::*list, const Link& link,
+            const Decoder::Update& update, std::uint32_t tick_ns) {
+    if (update.piece) {
+        const typename List::Piece piece{link.curve,
+                                         link.scale,
+                                         tick_ns,
+                                         update.begins,
+                                         update.breaks,
+                                         !update.begins && !update.rejoined,
+                                         0,
+                                         0,
+                                         0};
+        if ((runs.back().*list).starts_anew(piece)) runs.emplace_back();
+        (runs.back().*list).add(piece);
+    }
+    if (!update.piece || (update.rejoined && link.cover_ticks > 0))
+        (runs.back().*list).cover(link.cover_ticks);
 }
 
 }  // namespace
+
+Pose CurveRun::at(std::int64_t t_ns) const {
+    Pose pose;
+    pose.t_ns = t_ns;
+    if (const auto p = position.at(t_ns)) {
+        pose.p_w_m = {(*p)[0], (*p)[1], (*p)[2]};
+        pose.flags |= flag::position_valid;
+    }
+    if (const auto q = orientation.at(t_ns)) {
+        pose.q_wb = *q;
+        pose.flags |= flag::orientation_valid;
+    }
+    return pose;
+}
+
+std::int64_t CurveRun::begin_ns() const {
+    std::int64_t t = INT64_MAX;
+    if (!position.pieces().empty()) t = std::min(t, position.pieces().front().t0_ns());
+    if (!orientation.pieces().empty()) t = std::min(t, orientation.pieces().front().t0_ns());
+    return t;
+}
+
+std::int64_t CurveRun::end_ns() const {
+    std::int64_t t = INT64_MIN;
+    if (!position.pieces().empty()) t = std::max(t, position.pieces().back().end_ns());
+    if (!orientation.pieces().empty()) t = std::max(t, orientation.pieces().back().end_ns());
+    return t;
+}
 
 void CurveStore::take_frame() {
     Decoder::Update update;
     while (decoder_.next(update)) {
         if (update.channel == Decoder::Channel::position)
-            follow(position_, decoder_.position(), update, decoder_.tick_ns());
+            follow(runs_, &CurveRun::position, decoder_.position(), update, decoder_.tick_ns());
         else
-            follow(orientation_, decoder_.orientation(), update, decoder_.tick_ns());
+            follow(runs_, &CurveRun::orientation, decoder_.orientation(), update,
+                   decoder_.tick_ns());
     }
     Event event;
     while (decoder_.next_event(event)) events_.push_back(event);
@@ -44,16 +86,10 @@ void CurveStore::finish() {
 }
 
 Pose CurveStore::at(std::int64_t t_ns) const {
+    for (auto run = runs_.rbegin(); run != runs_.rend(); ++run)
+        if (const Pose pose = run->at(t_ns); pose.flags != 0) return pose;
     Pose pose;
     pose.t_ns = t_ns;
-    if (const auto p = position_.at(t_ns)) {
-        pose.p_w_m = {(*p)[0], (*p)[1], (*p)[2]};
-        pose.flags |= flag::position_valid;
-    }
-    if (const auto q = orientation_.at(t_ns)) {
-        pose.q_wb = *q;
-        pose.flags |= flag::orientation_valid;
-    }
     return pose;
 }
 

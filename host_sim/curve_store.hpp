@@ -50,6 +50,16 @@ class CurveList {
         }
         pieces_.push_back(piece);
     }
+    /// The piece does not go on from these, nor repeat one of the last, as a decoder does that lost
+    /// its step: the clock of the encoder has started anew.
+    bool starts_anew(const Piece& piece) const {
+        if (pieces_.empty() || piece.t0_ns() >= pieces_.back().t0_ns()) return false;
+        constexpr std::size_t repeated_most = 4;
+        const std::size_t n = std::min(repeated_most, pieces_.size());
+        return std::none_of(pieces_.rbegin(), pieces_.rbegin() + static_cast<std::ptrdiff_t>(n),
+                            [&](const Piece& p) { return p.t0_ns() == piece.t0_ns(); });
+    }
+
     void cover(std::uint32_t ticks) {
         if (pieces_.empty()) return;
         pieces_.back().cover_ticks = ticks;
@@ -98,6 +108,18 @@ class CurveList {
     std::vector<Piece> pieces_;
 };
 
+/// The curves between two starts of the encoder's clock.
+struct CurveRun {
+    CurveList<Decoder::Position> position;
+    CurveList<Decoder::Orientation> orientation;
+
+    /// Both curves at a time; the flags tell which of them there are.
+    Pose at(std::int64_t t_ns) const;
+    bool empty() const { return position.pieces().empty() && orientation.pieces().empty(); }
+    std::int64_t begin_ns() const;
+    std::int64_t end_ns() const;
+};
+
 class CurveStore {
   public:
     using Positions = CurveList<Decoder::Position>;
@@ -106,10 +128,13 @@ class CurveStore {
     void push(std::string_view bytes);
     void finish();  // the input has ended
 
-    const Positions& position() const { return position_; }
-    const Orientations& orientation() const { return orientation_; }
+    /// A log in which the board's clock has started anew holds several; at least one, the last is
+    /// the present one.
+    const std::vector<CurveRun>& runs() const { return runs_; }
+    const Positions& position() const { return runs_.back().position; }
+    const Orientations& orientation() const { return runs_.back().orientation; }
 
-    /// Both curves at a time; the flags tell which of them there are.
+    /// Both curves at a time, of the last run that covers it.
     Pose at(std::int64_t t_ns) const;
 
     /// The discrete events, in the order in which they were sent.
@@ -126,8 +151,7 @@ class CurveStore {
     void note_damage();
 
     Decoder decoder_{};
-    Positions position_;
-    Orientations orientation_;
+    std::vector<CurveRun> runs_{1};
     std::vector<Event> events_;
     std::size_t byte_count_{0};
     std::optional<std::size_t> damaged_at_;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "host_sim/motion.hpp"
+#include "host_sim/progress.hpp"
 #include "host_sim/sensor_model.hpp"
 #include "host_sim/spec.hpp"
 
@@ -204,7 +205,9 @@ Recording generate(const std::string& spec, std::uint64_t seed) {
     recording.period_s = 1 / plan.rate_hz;
     recording.events = plan.presses;
     const auto count = static_cast<std::int64_t>(plan.motion.duration_s() * plan.rate_hz + 0.5);
+    Progress progress{"generate", static_cast<std::size_t>(count)};
     for (std::int64_t i = 0; i < count; ++i) {
+        progress.show(static_cast<std::size_t>(i));
         const double even_s = (static_cast<double>(i) + 0.5) / plan.rate_hz;
         const double late_s = times.uniform(-plan.jitter_s, plan.jitter_s);
         const auto t_us = static_cast<std::int64_t>((even_s + late_s) * 1e6 + 0.5);

@@ -1,39 +1,40 @@
 #pragma once
-// A line of progress on stderr for work that lasts: on a terminal a few times a second, elsewhere
-// every few seconds, nothing for short work.
-#include <unistd.h>
-
-#include <chrono>
+// A line of progress on stderr for work that lasts longer than two seconds: share, rate and time
+// left, rewritten a few times a second. On a terminal only: none in a pipe or a file.
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 
 namespace fairlead::sim {
 
+/// Where the line goes, and what time it is. The default is stderr and the real clock.
+struct ProgressPlace {
+    std::FILE* file{stderr};
+    bool terminal{};
+    double (*now_s)(){};  // of a clock that never goes back
+
+    static ProgressPlace standard();
+};
+
 class Progress {
   public:
-    Progress(const char* label, std::size_t total) : label_{label}, total_{total} {}
-    ~Progress() {
-        if (shown_ && terminal_) std::fprintf(stderr, "\r\033[K");
-    }
+    /// total: of `unit`s, 0: not known.
+    Progress(const char* label, std::size_t total, const char* unit = "records",
+             const ProgressPlace& place = ProgressPlace::standard());
+    ~Progress();  // takes the line away
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    void show(std::size_t done) {
-        if ((++calls_ & 63u) != 0) return;
-        const auto now = Clock::now();
-        if (now < next_) return;
-        next_ = now + (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(5));
-        shown_ = true;
-        const double share =
-            total_ > 0 ? static_cast<double>(done) / static_cast<double>(total_) : 1;
-        std::fprintf(stderr, terminal_ ? "\r%s: %3.0f %%" : "%s: %3.0f %%\n", label_, 100 * share);
-    }
+    void show(std::size_t done);
 
   private:
-    using Clock = std::chrono::steady_clock;
-    const char* label_;
-    std::size_t total_, calls_{0};
-    bool terminal_{isatty(STDERR_FILENO) != 0}, shown_{false};
-    Clock::time_point next_{Clock::now() + std::chrono::milliseconds(terminal_ ? 500 : 5000)};
+    void print(std::size_t done, double seconds);
+
+    const char *label_, *unit_;
+    std::size_t total_;
+    ProgressPlace place_;
+    double start_s_{}, next_s_{};
+    bool shown_{false};
 };
 
 }  // namespace fairlead::sim

@@ -364,7 +364,9 @@ void judge(Replay& result) {
             store.push(std::string_view(result.stream).substr(fed, size - fed));
             fed = size;
         };
+        Progress progress{"judging the stream", result.input.size()};
         for (std::size_t i = 0; i < result.input.size(); ++i) {
+            progress.show(i);
             feed(result.bytes_after_input[i]);
             if (o.position) position.look(store, i);
             if (o.orientation) orientation.look(store, i);

@@ -5,6 +5,7 @@
 // as gap_before. Exit codes: 0 stopped by time or signal, 64 wrong usage, 69 no bus, line or sensor
 // at the start, 74 the file.
 #include <sysexits.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
@@ -65,14 +66,16 @@ struct Totals {
     }
 };
 
-/// One line, rewritten in place: how far, how fast, how much, what went wrong.
+const bool on_terminal = isatty(STDERR_FILENO) != 0;
+
+/// One line, on a terminal rewritten in place: how far, how fast, how much, what went wrong.
 void live(const Options& o, const Totals& t, double seconds, double rate_hz,
           std::uint64_t edges_dropped, unsigned files) {
     const auto sum = [](std::uint64_t a, std::uint64_t b) {
         return static_cast<unsigned long long>(a + b);
     };
     const SamplerCounts &a = t.before, &b = t.now;
-    std::fprintf(stderr, "\r%8.1f", seconds);
+    std::fprintf(stderr, on_terminal ? "\r%8.1f" : "%8.1f", seconds);
     if (o.seconds > 0) std::fprintf(stderr, " of %.1f", o.seconds);
     std::fprintf(stderr,
                  " s  %9llu samples  %7.1f Hz  lost %llu  missed edges %llu  bus errors %llu  "
@@ -168,8 +171,9 @@ int run(const Options& o) {
         if (now < next_line) continue;
         good = files.sync() && good;
         const double since = static_cast<double>(now - next_line + second) * 1e-9;
-        live(o, totals, passed, static_cast<double>(totals.samples() - told) / since,
-             hardware.edges_dropped(), files.number());
+        if (on_terminal)
+            live(o, totals, passed, static_cast<double>(totals.samples() - told) / since,
+                 hardware.edges_dropped(), files.number());
         told = totals.samples();
         next_line = now + second;
     }

@@ -9,7 +9,11 @@
 #include <filesystem>
 
 #include "fairlead/sense/attitude.hpp"
+#include "host_sim/attitude_settings.hpp"
 #include "host_sim/baselines/ahrs/ahrs.hpp"
+#include "host_sim/bench_attitude/foreign.hpp"
+#include "host_sim/bench_attitude/locks.hpp"
+#include "host_sim/bench_attitude/smoothing.hpp"
 #include "host_sim/bench_attitude/trials.hpp"
 
 namespace fairlead::sim {
@@ -239,6 +243,71 @@ int table(const std::string& folder, const std::string& into) {
     return broken ? 1 : 0;
 }
 
+int foreign(const std::string& folder, const std::string& into,
+            const std::vector<std::string>& set) {
+    AttitudeParams params;
+    apply_settings(params, set);
+    std::string page = into.empty() ? std::string() : read_bytes(into);
+    const std::array<std::pair<const char*, std::string>, 3> parts{
+        {{"foreign recordings", foreign_recordings(folder, params)},
+         {"foreign simulations", foreign_simulations(params)},
+         {"speed", foreign_speed(params)}}};
+    for (const auto& [name, content] : parts) {
+        std::printf("%s\n", content.c_str());
+        if (!into.empty()) replace(page, name, content);
+    }
+    if (!into.empty()) write_bytes(into, page);
+    return 0;
+}
+
+int locks(std::size_t count, const std::string& into) {
+    std::string out =
+        "| trial | mode | runs | locked | settled, more than 20 deg off | worst while settled | "
+        "heading beyond 3 sigma | settled |\n|---|---|---|---|---|---|---|---|\n";
+    std::size_t locked = 0;
+    for (const bool loss : {false, true})
+        for (const AttitudeMode mode : {AttitudeMode::imu_mag, AttitudeMode::imu}) {
+            std::fprintf(stderr, "%s, %s ...\n", loss ? "losses" : "starts",
+                         mode == AttitudeMode::imu ? "6D" : "9D");
+            const LockCounts c =
+                count_locks(loss ? upside_down_loss : start_in_motion, mode, 1, count);
+            const auto share = [&](std::size_t n) {
+                return 100 * static_cast<double>(n) /
+                       static_cast<double>(std::max<std::size_t>(c.samples, 1));
+            };
+            out += text("| %s | %s | %zu | %zu | %.3f %% | %.0f deg | %.2f %% | %.0f %% |\n",
+                        loss ? "turned upside down while readings fail" : "started in motion",
+                        mode == AttitudeMode::imu ? "6D" : "9D", c.runs, c.locked, share(c.tilted),
+                        c.worst_deg, share(c.turned), 100 * c.clear_share);
+            locked += c.locked;
+            if (c.locked > 0)
+                std::fprintf(stderr, "first locked: seed %llu\n",
+                             static_cast<unsigned long long>(c.first_locked));
+        }
+    std::printf("%s", out.c_str());
+    if (!into.empty()) {
+        std::string page = read_bytes(into);
+        replace(page, "locks", out);
+        write_bytes(into, page);
+    }
+    return locked == 0 ? 0 : 1;
+}
+
+int smoothing(const std::string& folder, const std::string& into) {
+    const std::string out = smoothing_table(folder);
+    if (out.empty()) {
+        std::printf("skipped attitude-smooth: no recordings in %s\n", folder.c_str());
+        return 0;
+    }
+    std::printf("%s", out.c_str());
+    if (!into.empty()) {
+        std::string page = read_bytes(into);
+        replace(page, "smoothing", out);
+        write_bytes(into, page);
+    }
+    return 0;
+}
+
 /// The least eigenvalue's sign by Cholesky in double, of the matrix scaled to unit diagonal.
 double least_pivot(const Attitude::State& s) {
     constexpr std::size_t n = Attitude::State::size;
@@ -307,11 +376,26 @@ int main(int argc, char** argv) {
     auto* table = app.add_subcommand("table", "All tables of the page");
     table->add_option("DIR", folder, "Folder of .imu recordings")->required();
     table->add_option("--into", into, "Page whose tables are rewritten");
+    std::vector<std::string> set;
+    auto* foreign = app.add_subcommand("foreign", "Other devices and motions");
+    foreign->add_option("DIR", folder, "Folder of .imu recordings")->required();
+    foreign->add_option("--into", into, "Page whose tables are rewritten");
+    foreign->add_option("--set", set, "NAME=VALUE of a parameter");
+    std::size_t count = 1000;
+    auto* locks = app.add_subcommand("locks", "Seeded starts in motion and upside-down losses");
+    locks->add_option("--count", count, "Runs of each")->check(CLI::Range(1, 1000000));
+    locks->add_option("--into", into, "Page whose table is rewritten");
+    auto* smooth = app.add_subcommand("smooth", "What a lag, and the whole recording, are worth");
+    smooth->add_option("DIR", folder, "Folder of .imu recordings")->required();
+    smooth->add_option("--into", into, "Page whose table is rewritten");
     auto* day = app.add_subcommand("day", "A day of recordings on end");
     day->add_option("DIR", folder, "Folder of .imu recordings")->required();
     day->add_option("--hours", hours, "Another length");
     CLI11_PARSE(app, argc, argv);
     try {
+        if (*locks) return fairlead::sim::locks(count, into);
+        if (*smooth) return fairlead::sim::smoothing(folder, into;
+        if (*foreign) return fairlead::sim::foreign(folder, into, set);
         if (*day) return fairlead::sim::day(folder, hours);
         return fairlead::sim::table(folder, into);
     } catch (const std::exception& error) {

@@ -87,8 +87,8 @@ Means run_trial(const std::vector<Recording>& recordings, const Trial& trial) {
 std::vector<Break> breaks() {
     std::vector<Break> out;
     AttitudeParams narrow_gyro, narrow_accel;
-    narrow_gyro.gyro_max_rad_s = static_cast<float>(500 * deg);
-    narrow_accel.accel_max_m_s2 = 4 * gravity_m_s2;
+    narrow_gyro.gyro_full_scale_rad_s = static_cast<float>(500 * deg);
+    narrow_accel.accel_full_scale_m_s2 = 4 * gravity_m_s2;
     out.push_back(
         {"gyro range 500 deg/s, throughout", 0, narrow_gyro,
          [](Sample& s, const Sample&) { clamp_all(s.gyro_rad_s, static_cast<float>(500 * deg)); }});

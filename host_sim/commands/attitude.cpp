@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "host_sim/attitude_run.hpp"
+#include "host_sim/attitude_settings.hpp"
+#include "host_sim/attitude_smooth.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/refused.hpp"
@@ -17,6 +19,8 @@ struct Options {
     std::optional<AttitudeMode> mode;
     std::vector<std::string> drop;
     double rate_error_percent{0};
+    bool smooth{false};
+    std::vector<std::string> set;
     Conditions conditions;
 };
 
@@ -47,7 +51,11 @@ void run(Options options) {
     options.conditions.rate_error = options.rate_error_percent / 100;
     const Recording recording = options.input.read();
     const auto mode = options.mode.value_or(all_sensors(recording));
-    const auto estimate = run_attitude(recording, mode, AttitudeParams{}, options.conditions);
+    AttitudeParams params;
+    apply_settings(params, options.set);
+    const auto estimate = options.smooth
+                              ? smooth_attitude(recording, mode, params)
+                              : run_attitude(recording, mode, params, options.conditions);
     if (estimate.empty()) throw BadData(recording.name + ": no sample is left to estimate from");
     write_bytes(options.out, to_estimate_csv(estimate));
     options.input.judge_refused(refused_records(recording), recording.size());
@@ -75,6 +83,17 @@ void add_attitude(CLI::App& app) {
         ->check(CLI::Range(1, 1000));
     command->add_option("--start-at", o->conditions.start_s, "Begin so many seconds in")
         ->check(in_range(0, 1e9));
+    auto* smooth = command->add_flag(
+        "--smooth", o->smooth,
+        "Use the whole recording, forward and backward, in double: for analysis, not what a board "
+        "would have known");
+    for (const char* other : {"--drop", "--rate-error", "--every", "--start-at"})
+        smooth->excludes(command->get_option(other));
+    command
+        ->add_option("--set", o->set,
+                     "NAME=VALUE: a parameter of the filter, such as velocity_m_s=3 "
+                     "(docs/attitude.md); SI units")
+        ->type_name("NAME=VALUE");
     command->add_option("--out", o->out, "CSV to write: t_ns,qw,qx,qy,qz; sensor to east-north-up")
         ->required();
     command->callback([o] { run(*o); });

@@ -8,6 +8,7 @@
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/experiments/frontier.hpp"
 #include "host_sim/experiments/plot.hpp"
+#include "host_sim/progress.hpp"
 
 namespace fairlead::sim {
 namespace {
@@ -30,10 +31,14 @@ struct Side {
 constexpr Side sides[] = {{"position", "mm", &Figures::position, 1e3},
                           {"orientation", "mrad", &Figures::orientation, 1e3}};
 
-std::vector<Entry> sweep(const NoisyMotion& motion, double above_hz) {
+std::vector<Entry> sweep(const NoisyMotion& motion, double above_hz, const std::string& name) {
     std::vector<Entry> entries;
-    for (const auto& c : candidates(motion.step_s))
+    const auto all = candidates(motion.step_s);
+    Progress progress{name.c_str(), all.size(), "settings"};
+    for (const auto& c : all) {
+        progress.show(entries.size());
         entries.push_back({c.family, c.setting, c.ours, measure(c, motion, above_hz)});
+    }
     return entries;
 }
 
@@ -186,7 +191,7 @@ void run(const Options& options) {
     for (const auto& file : options.files) {
         const auto recording = read_recording(file);
         const auto motion = noisy(recording, options.noise);
-        const auto entries = sweep(motion, options.above_hz);
+        const auto entries = sweep(motion, options.above_hz, stem_of(file));
         std::vector<Panel> panels;
         std::string report;
         for (std::size_t k = 0; k < 2; ++k) {

@@ -1,11 +1,14 @@
 // fairlead-sim decode STREAM.flr --at IN --out OUT.csv: the curve at the times of a recording; and
 // the stream's discrete events, --events EVENTS.csv.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/curve_store.hpp"
+#include "host_sim/progress.hpp"
 #include "host_sim/recording/event_file.hpp"
 #include "host_sim/recording/writers.hpp"
 #include "host_sim/spec.hpp"
@@ -15,30 +18,100 @@ namespace {
 
 struct Options {
     std::string stream, at, out, events;
+    ReadOptions reading;
+    std::size_t run{0};  // from 1; 0: not said
     bool salvage{false};
 };
 
+std::string span_text(std::int64_t from_ns, std::int64_t to_ns) {
+    char text[96];
+    std::snprintf(text, sizeof text, "from %.3f s to %.3f s", static_cast<double>(from_ns) * 1e-9,
+                  static_cast<double>(to_ns) * 1e-9);
+    return text;
+}
+
+std::size_t covered_by(const CurveRun& run, const Recording& times) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < times.size(); ++i)
+        if (run.at(times.t_ns(i)).flags != 0) ++n;
+    return n;
+}
+
+/// The run that the times are of. Several cover them: only the user knows.
+const CurveRun& chosen_run(const CurveStore& store, const Recording& times,
+                           const Options& options) {
+    const auto& runs = store.runs();
+    if (options.run > runs.size())
+        throw BadSpec("--run " + std::to_string(options.run) + ": the stream holds " +
+                      std::to_string(runs.size()));
+    if (options.run > 0) return runs[options.run - 1];
+    if (runs.size() == 1) return runs[0];
+    const CurveRun* chosen = &runs[0];
+    std::size_t covering = 0;
+    for (const CurveRun& run : runs)
+        if (covered_by(run, times) > 0) chosen = &run, ++covering;
+    if (covering > 1)
+        throw BadData(options.stream + ": " + std::to_string(covering) +
+                      " runs of the board's clock cover these times; choose one: --run 1 to " +
+                      std::to_string(runs.size()));
+    return *chosen;
+}
+
+/// Says where the stream does not cover the times; none at all is an error.
+void judge_cover(const CurveStore& store, const Recording& times, std::size_t covered,
+                 const Options& options) {
+    if (covered == times.size()) return;
+    std::int64_t first = times.t_ns(0), last = times.t_ns(0);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        first = std::min(first, times.t_ns(i));
+        last = std::max(last, times.t_ns(i));
+    }
+    std::string text = std::to_string(times.size() - covered) + " of " +
+                       std::to_string(times.size()) + " times have no curve: " + options.at +
+                       " is " + span_text(first, last) + ", the stream";
+    for (const CurveRun& run : store.runs())
+        text += run.empty() ? " holds no curve"
+                            : (&run == &store.runs()[0] ? " " : ", ") +
+                                  span_text(run.begin_ns(), run.end_ns());
+    if (covered == 0) throw BadData(options.stream + ": " + text);
+    std::fprintf(stderr, "fairlead-sim: %s: %s\n", options.stream.c_str(), text.c_str());
+}
+
 void write_curve(const CurveStore& store, const Options& options) {
-    const Recording times =
-        read_recording(options.at, options.salvage ? Salvage::yes : Salvage::no);
+    ReadOptions reading = options.reading;
+    reading.salvage = options.salvage ? Salvage::yes : Salvage::no;
+    const Recording times = read_recording(options.at, reading);
+    const CurveRun& run = chosen_run(store, times, options);
     std::vector<Pose> poses;
-    for (std::size_t i = 0; i < times.size(); ++i) poses.push_back(store.at(times.t_ns(i)));
+    std::size_t covered = 0;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        poses.push_back(run.at(times.t_ns(i)));
+        if (poses.back().flags != 0) ++covered;
+    }
     write_bytes(options.out, to_poses_csv(poses));
+    judge_cover(store, times, covered, options);
 }
 
 void run(const Options& options) {
     if (options.out.empty() && options.events.empty())
         throw BadSpec("decode needs --at and --out for the curve, or --events for the events");
     CurveStore store;
-    store.push(read_bytes(options.stream));
+    const std::string bytes = read_bytes(options.stream);
+    Progress progress{"decode", bytes.size(), "bytes"};
+    constexpr std::size_t portion = 4096;
+    for (std::size_t i = 0; i < bytes.size(); i += portion) {
+        progress.show(i);
+        store.push(std::string_view(bytes).substr(i, portion));
+    }
     store.finish();
-    if (!options.out.empty()) write_curve(store, options);
-    if (!options.events.empty()) write_bytes(options.events, to_events_csv(store.events()));
     const std::string damage = store.damage();
-    if (damage.empty()) return;
+    if (store.empty()) throw BadData(options.stream + ": " + damage);
+    if (!options.events.empty()) write_bytes(options.events, to_events_csv(store.events()));
+    if (!damage.empty() && options.salvage)
+        std::fprintf(stderr, "fairlead-sim: %s: %s\n", options.stream.c_str(), damage.c_str());
+    if (!options.out.empty()) write_curve(store, options);
     // what could be decoded is written all the same: decoding went on at the next good frame
-    if (!options.salvage || store.empty()) throw BadData(options.stream + ": " + damage);
-    std::fprintf(stderr, "fairlead-sim: %s: %s\n", options.stream.c_str(), damage.c_str());
+    if (!damage.empty() && !options.salvage) throw BadData(options.stream + ": " + damage);
 }
 
 }  // namespace
@@ -56,6 +129,12 @@ void add_decode(CLI::App& app) {
     at->needs(out);
     command->add_option("--events", options->events,
                         "CSV to write: the discrete events, t_ns,channel,value,gap");
+    command->add_option(
+        "--run", options->run,
+        "Of a stream in which the board's clock has started anew: which run, from 1");
+    command->add_option("--columns", options->reading.columns,
+                        "Of a text file at --at: what its columns are");
+    command->add_option("--units", options->reading.units, "Of a text file at --at: its units");
     command->add_flag("--salvage", options->salvage,
                       "A damaged stream is no error: what is good of it is decoded");
     command->callback([options] { run(*options); });

@@ -7,6 +7,7 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/experiments/plot.hpp"
+#include "host_sim/progress.hpp"
 #include "host_sim/recording/recording.hpp"
 
 namespace fairlead::sim {
@@ -18,7 +19,10 @@ struct Options {
 
 void run(const Options& options) {
     make_folder(options.out);
+    Progress progress{"experiments", experiments().size(), "experiments"};
+    std::size_t done = 0;
     for (const auto& experiment : experiments()) {
+        progress.show(done++);
         if (options.name != "all" && options.name != experiment.name) continue;
         const std::string text = experiment.run(options.out);
         write_bytes(options.out + "/" + experiment.name + ".md", text);

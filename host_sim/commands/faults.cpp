@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
@@ -26,6 +27,9 @@ void run(const Options& options) {
         for (std::size_t i = 0; i < items.size(); ++i)
             if (!is_byte_fault(items[i])) spoil_records(recording, items[i], options.seed + i);
         bytes = to_file(recording, options.out);
+        if (const std::string lost = left_out(recording, options.out); !lost.empty())
+            std::fprintf(stderr, "fairlead-sim: %s: left out: %s\n", options.out.c_str(),
+                         lost.c_str());
     }
     for (std::size_t i = 0; i < items.size(); ++i)
         if (is_byte_fault(items[i])) spoil_bytes(bytes, items[i], options.seed + i);

@@ -9,6 +9,7 @@
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/filter_chain.hpp"
+#include "host_sim/progress.hpp"
 #include "host_sim/recording/writers.hpp"
 #include "host_sim/refused.hpp"
 
@@ -33,7 +34,10 @@ void run(const Options& options) {
         std::make_unique<FilterChain>(parse_filters(options.filter, recording.period_s));
     Intake<Pose> intake{intake_params(recording)};
     std::vector<Pose> filtered;
-    for (const Pose& raw : poses_to_filter(recording, options)) {
+    const std::vector<Pose> poses = poses_to_filter(recording, options);
+    Progress progress{"filter", poses.size()};
+    for (const Pose& raw : poses) {
+        progress.show(static_cast<std::size_t>(&raw - poses.data()));
         const auto pose = intake.push(raw);
         if (!pose) continue;
         if (const auto out = chain->push(*pose)) filtered.push_back(*out);

@@ -74,7 +74,7 @@ void print_sensors(const Recording& recording) {
     }
     std::size_t warm = 0;
     for (const Sample& s : recording.samples)
-        warm += (s.flags & flag::temperature_valid) != 0 ? 1 : 0;
+        if ((s.flags & flag::temperature_valid) != 0) ++warm;
     if (warm > 0) std::printf("temperature      in %zu records\n", warm);
     if (!recording.events.empty()) std::printf("events           %zu\n", recording.events.size());
 }
@@ -109,8 +109,13 @@ void print_stream(const InputOptions& input) {
     std::printf("bytes            %zu\n", bytes.size());
     std::printf("frames           %u, %u of them restart frames\n", store.counters().frames,
                 store.counters().restarts);
-    print_curves("position", store.position());
-    print_curves("orientation", store.orientation());
+    if (store.runs().size() > 1)
+        std::printf("runs             %zu: the clock of the board has started anew\n",
+                    store.runs().size());
+    for (const CurveRun& run : store.runs()) {
+        print_curves("position", run.position);
+        print_curves("orientation", run.orientation);
+    }
     print_events(store);
     if (!damage.empty()) std::printf("damage           %s\n", damage.c_str());
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "host_sim/progress.hpp"
 #include "host_sim/recording/event_file.hpp"
 #include "host_sim/recording/plausible.hpp"
 #include "host_sim/recording/recording.hpp"
@@ -82,7 +83,14 @@ struct InputOptions {
     /// The recording; what the reader took, and what is odd, on stderr.
     enum class Doubts { to_stderr, elsewhere };
     Recording read(Doubts place = Doubts::to_stderr) const {
-        Recording recording = read_recording(path, read_options());
+        ReadOptions how = read_options();
+        std::optional<Progress> line;
+        how.progress = [&](std::size_t done, std::size_t total) {
+            if (!line) line.emplace("read", total, "bytes");
+            line->show(done);
+        };
+        Recording recording = read_recording(path, how);
+        line.reset();
         if (!recording.damage.empty())
             std::fprintf(stderr, "fairlead-sim: %s; %zu records before it are used\n",
                          recording.damage.c_str(), recording.size());

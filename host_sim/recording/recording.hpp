@@ -3,6 +3,7 @@
 // the layouts. Readers deliver what the file says (NaN, backward time and jumps included): judging
 // samples is the intake's work; a reader only refuses what it cannot understand without a guess.
 #include <cstdint>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -53,11 +54,12 @@ struct ReadOptions {
     ReadOptions(Salvage s = Salvage::no) : salvage{s} {}
 
     Salvage salvage;
-    std::string columns;            // --columns t_ns,gx,gy,gz,ax,ay,az: what the columns are
-    std::string units;              // --units t=us,gyro=deg/s,accel=g: of columns without a unit
-    std::string sensors;            // --sensors gyro,accel: what an .imu of version 1 holds
-    double rate_hz{};               // --rate: of records without times; 0: not given
-    std::string times;              // --times FILE: times of records without them, one a line
+    std::string columns;  // --columns t_ns,gx,gy,gz,ax,ay,az: what the columns are
+    std::string units;    // --units t=us,gyro=deg/s,accel=g: of columns without a unit
+    std::string sensors;  // --sensors gyro,accel: what an .imu of version 1 holds
+    double rate_hz{};     // --rate: of records without times; 0: not given
+    std::string times;    // --times FILE: times of records without them, one a line
+    std::function<void(std::size_t done, std::size_t total)> progress;  // bytes of text; or empty
     std::vector<std::string> with;  // --with FILE...: other sensors of the device, merged by time
 };
 

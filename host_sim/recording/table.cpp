@@ -49,6 +49,10 @@ Table table_of(std::string_view text) {
             table.style = style;
             table.columns = columns_in(line, style);
             table.first_number = line.number;
+            if (table.columns > columns_most)
+                throw BadData("line " + std::to_string(line.number) + ": " +
+                              std::to_string(table.columns) + " columns, at most " +
+                              std::to_string(columns_most) + " are read");
         }
         table.records.push_back(line);
         trailing = trailing && line.text.back() == table.style.separator;

@@ -17,7 +17,7 @@ struct Table {
     std::size_t first_number{};  // its line
 };
 
-inline constexpr std::size_t evidence_rows = 4096;
+inline constexpr std::size_t evidence_rows = 4096, columns_most = 4096;
 
 Table table_of(std::string_view text);
 Evidence evidence_of(const Table& table);

@@ -253,7 +253,8 @@ void note_resolution(const Layout& layout, const Fields& fields, Recording& reco
     }
 }
 
-void read_rows(std::string_view text, const Layout& layout, Recording& recording) {
+void read_rows(std::string_view text, const Layout& layout, const ReadOptions& options,
+               Recording& recording) {
     RowReader rows{layout};
     if (rows.imu() && rows.reference()) {
         recording.notes.emplace_back("the poses beside the sensors are kept as the reference");
@@ -265,6 +266,8 @@ void read_rows(std::string_view text, const Layout& layout, Recording& recording
     bool first = true;
     while (reader.next(line)) {
         if (line.comment || is_separator_line(line.text)) continue;
+        if (options.progress && recording.size() % 256 == 0)
+            options.progress(static_cast<std::size_t>(line.text.data() - text.data()), text.size());
         if (line.text.find('\0') != std::string_view::npos)
             throw BadData("line " + std::to_string(line.number) +
                           ": zero bytes, as a cut of power leaves them; --salvage uses the "
@@ -309,7 +312,7 @@ void parse_text(std::string_view bytes, const ReadOptions& options, Role sensor_
         if (layout.no_times) give_times(options, recording);
     };
     try {
-        read_rows(text, layout, recording);
+        read_rows(text, layout, options, recording);
     } catch (const BadData&) {
         finish();
         throw;

@@ -136,59 +136,6 @@ Figure field(const AttitudeTrace& trace, const TimeAxis& axis) {
     return figure;
 }
 
-/// Stretches in which a flag is set, as bars at height y; never thinner than can be seen.
-Series bars(const AttitudeTrace& trace, const TimeAxis& axis, std::uint32_t mask, double y) {
-    const double least_s = axis.end_s / 900;
-    Series out;
-    double from = NAN, to = NAN;
-    const auto close = [&] {
-        if (std::isnan(from)) return;
-        for (const double x : {from, std::max(to, from + least_s), to}) {
-            out.x.push_back(x);
-            out.y.push_back(y);
-        }
-        out.y.back() = NAN;
-    };
-    for (const AttitudePoint& p : trace.points) {
-        if ((p.flags & mask) == 0) continue;
-        const double t_s = axis.s(p.t_ns);
-        if (std::isnan(from) || t_s > to + std::max(least_s, 2.5 * axis.period_s)) {
-            close();
-            from = t_s;
-        }
-        to = t_s;
-    }
-    close();
-    return out;
-}
-
-Figure flags(const AttitudeTrace& trace, const TimeAxis& axis) {
-    struct Named {
-        const char* name;
-        std::uint32_t mask;
-    };
-    static constexpr std::array<Named, 5> named{{{"gap", flag::gap_before},
-                                                 {"clipped", flag::clipped},
-                                                 {"disturbed", flag::mag_rejected},
-                                                 {"rest", flag::rest},
-                                                 {"settling", flag::settling}}};
-    Figure figure = framed("attitude_flags", "Flags", "",
-                           "What the filter says of its state: settling, at rest, field "
-                           "disturbed, a range exceeded, samples missing.",
-                           axis);
-    for (const Named& n : named) {
-        if (n.mask == flag::mag_rejected && trace.mode != AttitudeMode::imu_mag) continue;
-        figure.rows.emplace_back(n.name);
-        const auto row = static_cast<double>(figure.rows.size());
-        figure.series.push_back(styled(bars(trace, axis, n.mask, row), "",
-                                       colours[figure.rows.size() % colours.size()], 7));
-    }
-    figure.y_min = 0.4;
-    figure.y_max = static_cast<double>(figure.rows.size()) + 0.6;
-    figure.height = 150;
-    return figure;
-}
-
 }  // namespace
 
 void append_attitude_figures(std::vector<Figure>& figures, const AttitudeTrace& trace,
@@ -202,7 +149,6 @@ void append_attitude_figures(std::vector<Figure>& figures, const AttitudeTrace& 
     }
     figures.push_back(bias(trace, axis));
     if (trace.mode == AttitudeMode::imu_mag) figures.push_back(field(trace, axis));
-    figures.push_back(flags(trace, axis));
 }
 
 }  // namespace fairlead::sim

@@ -60,9 +60,6 @@ Figure framed(const char* id, const char* title, const char* y_label, const char
     return figure;
 }
 
-void add(Figure& figure, const Series& s) {
-    constexpr std::size_t buckets = 700;  // of a figure 900 pixels wide
-    figure.series.push_back(thinned(s, figure.x_min, figure.x_max, buckets));
-}
+void add(Figure& figure, const Series& s) { figure.series.push_back(s); }
 
 }  // namespace fairlead::sim

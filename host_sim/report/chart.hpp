@@ -38,7 +38,6 @@ Series level(double y, const TimeAxis& axis, const char* legend);
 
 Figure framed(const char* id, const char* title, const char* y_label, const char* caption,
               const TimeAxis& axis);
-/// Thinned to what the figure can show.
 void add(Figure& figure, const Series& s);
 
 }  // namespace fairlead::sim

@@ -16,122 +16,121 @@ constexpr double none = NAN;
 
 double d(float x) { return static_cast<double>(x); }
 
-double component(const Pose& pose, std::size_t i) {  // 0..2: position, 3..6: quaternion
-    const std::array<float, 7> v{pose.p_w_m.x, pose.p_w_m.y, pose.p_w_m.z, pose.q_wb.w,
-                                 pose.q_wb.x,  pose.q_wb.y,  pose.q_wb.z};
-    return d(v[i]);
+BasicQuat<double> wide(const Quat& q) { return {d(q.w), d(q.x), d(q.y), d(q.z)}; }
+
+const std::array<const char*, 3> axes{"x", "y", "z"};
+
+/// Rotation vectors without jumps: the principal one plus the whole turns that it has jumped back
+/// by, each about the axis of its time. Near no rotation the axis is noise, so that only a vector
+/// of more than a radian can have jumped.
+class Unwrapped {
+  public:
+    using Vector = BasicVec3<double>;
+
+    Vector next(const Quat& q) {
+        last_ = nearest(q);
+        turns_ = last_ - rotation_vector(normalised(wide(q)));
+        return last_;
+    }
+    /// Another rotation at the same time, as near to the last one as whole turns can bring it.
+    Vector nearest(const Quat& q) const {
+        const Vector r = rotation_vector(normalised(wide(q)));
+        const double angle = norm(r);
+        Vector best = r + turns_;
+        if (angle < 1) return best;
+        for (const double sign : {-1.0, 1.0}) {
+            const Vector other = r + turns_ + (sign * 2 * pi_v<double> / angle) * r;
+            if (norm(other - last_) < norm(best - last_)) best = other;
+        }
+        return best;
+    }
+
+  private:
+    Vector last_{}, turns_{};
+};
+
+std::array<double, 3> as_array(const BasicVec3<double>& v) { return {v.x, v.y, v.z}; }
+
+using Components = std::array<std::vector<double>, 3>;
+
+/// Position in m, or the rotation vector in degrees, before and after.
+void components(const Replay& replay, bool position, Components& before, Components& after) {
+    const std::uint32_t valid = position ? flag::position_valid : flag::orientation_valid;
+    Unwrapped unwrapped;
+    const auto put = [](Components& out, const std::array<double, 3>& v) {
+        for (std::size_t k = 0; k < 3; ++k) out[k].push_back(v[k]);
+    };
+    const auto place = [](const Pose& pose) {
+        return std::array<double, 3>{d(pose.p_w_m.x), d(pose.p_w_m.y), d(pose.p_w_m.z)};
+    };
+    const std::array<double, 3> missing{none, none, none};
+    for (std::size_t i = 0; i < replay.raw.size(); ++i) {
+        const Pose& pose = replay.raw[i];
+        const bool known = (pose.flags & valid) != 0;
+        put(before, !known     ? missing
+                    : position ? place(pose)
+                               : as_array(deg * unwrapped.next(pose.q_wb)));
+        if (i >= replay.decoded.size()) continue;
+        const Pose& curve = replay.decoded[i];
+        put(after, (curve.flags & valid) == 0 ? missing
+                   : position                 ? place(curve)
+                                              : as_array(deg * unwrapped.nearest(curve.q_wb)));
+    }
 }
 
-std::uint32_t channel_of(std::size_t component_index) {
-    return component_index < 3 ? flag::position_valid : flag::orientation_valid;
-}
-
-Series component_series(const std::vector<Pose>& poses, const TimeAxis& axis, std::size_t i,
-                        double scale) {
-    double sign = 1;  // quaternions: continuous, whatever the sensor does
-    const Pose* last = nullptr;
-    return series(poses, axis, [&, scale, i](std::size_t k) {
-        const Pose& pose = poses[k];
-        if ((pose.flags & channel_of(i)) == 0) return none;
-        if (i >= 3 && last != nullptr && dot(last->q_wb, pose.q_wb) < 0) sign = -sign;
-        last = &pose;
-        return scale * sign * component(pose, i);
-    });
-}
-
-/// Brings a decoded quaternion component to the side of the raw one.
-void align(Series& series, const Series& to) {
-    double dot = 0;
-    for (std::size_t i = 0; i < std::min(series.y.size(), to.y.size()); ++i)
-        if (std::isfinite(series.y[i] * to.y[i])) dot += series.y[i] * to.y[i];
-    if (dot < 0)
-        for (double& y : series.y) y = -y;
-}
-
-Series knots(const ChannelResult& channel, const TimeAxis& axis) {
-    Series s = styled({}, "knots", knot_colour, 0.8, Series::Style::rug);
-    for (const std::int64_t t_ns : channel.knot_ns) s.x.push_back(axis.s(t_ns));
-    return s;
-}
-
-/// Before and after, component by component, with the knots on the time axis.
+/// Before and after, component by component.
 Figure course(const Replay& replay, const TimeAxis& axis, bool position) {
     Figure figure =
         position
             ? framed("position", "Position, before and after", "m",
-                     "Grey: what the sensor said. Colour: the curve a reader decodes. Each tick "
-                     "on the time axis is a knot.",
-                     axis)
-            : framed("orientation", "Orientation, before and after", "quaternion",
-                     "The four components of the unit quaternion that takes body to world.", axis);
-    const char* source = replay.attitude ? "estimate" : "sensor";
-    const std::array<const char*, 7> names{"x", "y", "z", "w", "x", "y", "z"};
-    const std::size_t first = position ? 0 : 3, end = position ? 3 : 7;
-    std::vector<Series> after;
-    for (std::size_t i = first; i < end; ++i) {
-        const Series before = component_series(replay.raw, axis, i, 1);
-        Series curve = component_series(replay.decoded, axis, i, 1);
-        if (!position) align(curve, before);
-        add(figure, styled(before, i == first ? source : "", raw_colour, 2.6));
-        after.push_back(styled(curve, names[i], colours[i - first], 1.2));
-    }
-    for (const Series& s : after) add(figure, s);
-    add(figure, knots(position ? replay.position : replay.orientation, axis));
-    if (!position) figure.y_min = -1.2, figure.y_max = 1.1;
+                     "Grey: what the sensor said. Colour: the curve that a reader decodes.", axis)
+            : framed("orientation", "Orientation, before and after", "deg",
+                     "Rotation vector from body to world, without jumps at whole turns. Grey: "
+                     "before. Colour: the curve that a reader decodes.",
+                     axis);
+    const std::string source = replay.attitude ? "estimate " : "sensor ";
+    Components before, after;
+    components(replay, position, before, after);
+    const auto lines = [&](const std::vector<Pose>& poses, const Components& values,
+                           const std::string& name, const char* colour, double width) {
+        for (std::size_t k = 0; k < 3; ++k)
+            add(figure,
+                styled(series(poses, axis, [&](std::size_t i) { return values[k][i]; }),
+                       (name + axes[k]).c_str(), colour != nullptr ? colour : colours[k], width));
+    };
+    lines(replay.raw, before, source, raw_colour, 2.2);
+    lines(replay.decoded, after, "", nullptr, 1.2);
     figure.height = 270;
     return figure;
 }
 
-/// Start of the stretch of `length_s` in which the curve has most knots.
-double busiest_s(const ChannelResult& channel, const TimeAxis& axis, double length_s) {
-    const auto& t = channel.knot_ns;
-    double best_s = 0;
-    std::size_t most = 0;
-    for (std::size_t i = 0, j = 0; i < t.size(); ++i) {
-        while (j < t.size() && axis.s(t[j]) < axis.s(t[i]) + length_s) ++j;
-        if (j - i > most) most = j - i, best_s = axis.s(t[i]);
-    }
-    return std::clamp(best_s - 0.05 * length_s, 0.0, std::max(0.0, axis.end_s - length_s));
-}
-
-/// The samples as dots, the curve as a line, over the three seconds with most knots.
-Figure close_up(const Replay& replay, const TimeAxis& axis, bool position) {
-    const ChannelResult& channel = position ? replay.position : replay.orientation;
-    const double length_s = std::min(3.0, axis.end_s);
-    Figure figure =
-        position ? framed("position_close", "Close-up of the position", "mm",
-                          "The stretch with most knots. Dots: the reducer's input, relative to the "
-                          "first of them.",
-                          axis)
-                 : framed("orientation_close", "Close-up of the orientation", "deg",
-                          "Rotation vector relative to the first sample of the stretch.", axis);
-    figure.x_min = busiest_s(channel, axis, length_s);
-    figure.x_max = figure.x_min + length_s;
+/// After minus before, axis by axis; of orientations the rotation between them, in the body frame.
+Figure difference(const Replay& replay, const TimeAxis& axis, bool position) {
+    Figure figure = position
+                        ? framed("position_difference", "Position, after minus before", "mm",
+                                 "The decoded curve against what the sensor said: what the filter "
+                                 "and the reduction changed.",
+                                 axis)
+                        : framed("orientation_difference", "Orientation, after minus before", "deg",
+                                 "Rotation vector from before to after, in the body frame.", axis);
     const std::uint32_t valid = position ? flag::position_valid : flag::orientation_valid;
-    const auto starts = [&](const Pose& pose) {
-        return axis.s(pose.t_ns) >= figure.x_min && (pose.flags & valid) != 0;
-    };
-    const auto origin = std::find_if(replay.input.begin(), replay.input.end(), starts);
-    if (origin == replay.input.end()) return figure;
-    const auto relative = [&](const std::vector<Pose>& poses, std::size_t axis_index) {
-        return series(poses, axis, [&, axis_index](std::size_t k) {
-            if ((poses[k].flags & valid) == 0) return none;
-            const Vec3 p = poses[k].p_w_m - origin->p_w_m;
-            const Vec3 r = rotation_vector(conj(origin->q_wb) * poses[k].q_wb);
-            const std::array<float, 3> v = position ? std::array<float, 3>{p.x, p.y, p.z}
-                                                    : std::array<float, 3>{r.x, r.y, r.z};
-            return d(v[axis_index]) * (position ? 1e3 : deg);
-        });
-    };
-    const std::array<const char*, 3> names{"x", "y", "z"};
-    for (std::size_t i = 0; i < 3; ++i)
-        add(figure, styled(relative(replay.input, i), i == 0 ? "input samples" : "", raw_colour,
-                           1.4, Series::Style::dots));
-    for (std::size_t i = 0; i < 3; ++i)
-        add(figure, styled(relative(replay.decoded, i), names[i], colours[i], 1.4));
-    Series rug = knots(channel, axis);
-    rug.width = 1.6;
-    add(figure, rug);
+    const std::size_t n = std::min(replay.raw.size(), replay.decoded.size());
+    std::array<std::vector<double>, 3> values;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Pose &a = replay.raw[i], &b = replay.decoded[i];
+        std::array<double, 3> v{none, none, none};
+        if ((a.flags & b.flags & valid) != 0 && position)
+            v = {1e3 * (d(b.p_w_m.x) - d(a.p_w_m.x)), 1e3 * (d(b.p_w_m.y) - d(a.p_w_m.y)),
+                 1e3 * (d(b.p_w_m.z) - d(a.p_w_m.z))};
+        else if ((a.flags & b.flags & valid) != 0)
+            v = as_array(deg * rotation_vector(conj(wide(a.q_wb)) * wide(b.q_wb)));
+        for (std::size_t k = 0; k < 3; ++k) values[k].push_back(v[k]);
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+        add(figure, styled(line(
+                               n, axis, [&](std::size_t i) { return replay.input[i].t_ns; },
+                               [&](std::size_t i) { return values[k][i]; }),
+                           axes[k], colours[k], 1));
     return figure;
 }
 
@@ -160,13 +159,9 @@ Figure errors(const Replay& replay, const TimeAxis& axis, bool position) {
 
 Figure delays(const Replay& replay, const TimeAxis& axis) {
     Figure figure = framed("delay", "Delay until a reader can use the curve", "records",
-                           "Records from a sample to the byte that lets a decoder evaluate the "
-                           "final curve there, frames and filter-free.",
+                           "Records between a sample and the byte with which a decoder can "
+                           "evaluate the final curve at its time.",
                            axis);
-    figure.caption =
-        "Records between a sample and the byte with which a decoder can evaluate the final curve "
-        "at "
-        "its time.";
     const auto one = [&](const ChannelResult& channel, const char* legend, const char* colour) {
         if (channel.samples == 0) return;
         add(figure, styled(series(replay.input, axis,
@@ -195,9 +190,6 @@ Series angular_acceleration(const std::vector<Pose>& poses, const TimeAxis& axis
         const double after_s = axis.s(c.t_ns) - axis.s(b.t_ns);
         if (std::max(before_s, after_s) > 2.5 * axis.period_s) return none;
         const auto rate = [](const Pose& p, const Pose& q, double s) {
-            const auto wide = [](const Quat& x) {
-                return BasicQuat<double>{d(x.w), d(x.x), d(x.y), d(x.z)};
-            };
             return (1 / s) * rotation_vector(conj(wide(p.q_wb)) * wide(q.q_wb));
         };
         const auto change = rate(b, c, after_s) - rate(a, b, before_s);
@@ -233,7 +225,7 @@ std::vector<Figure> figures_of(const Replay& replay) {
     for (const bool p : {true, false}) {
         if (!(p ? position : orientation)) continue;
         figures.push_back(course(replay, axis, p));
-        figures.push_back(close_up(replay, axis, p));
+        figures.push_back(difference(replay, axis, p));
         figures.push_back(errors(replay, axis, p));
     }
     if (replay.attitude) append_attitude_figures(figures, *replay.attitude, axis);

@@ -75,9 +75,14 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
-std::string page_head(const std::string& title) {
+std::string page_head(const std::string& title, const std::string& policy) {
     return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+           // no network: a page holds all that it shows
+           "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; " +
+           policy +
+           "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: "
+           "blob:\">\n<title>" +
            escaped(title) + " - fairlead</title>\n<style>" + style +
            "</style>\n</head>\n<body>\n<main>\n<h1>" + escaped(title) + "</h1>\n";
 }

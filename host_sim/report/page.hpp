@@ -8,7 +8,8 @@
 namespace fairlead::sim {
 
 std::string escaped(const std::string& text);  // fit to stand in HTML
-std::string page_head(const std::string& title);
+/// `policy`: what the page may ask for, beside what it holds, as a content security policy.
+std::string page_head(const std::string& title, const std::string& policy = {});
 std::string page_foot(const std::string& program);
 
 /// False where gnuplot cannot be run; then the page says so.

@@ -5,6 +5,7 @@
 
 #include "fairlead/math/approx.hpp"
 
+#include "host_sim/report/explorer.hpp"
 #include "host_sim/report/figures.hpp"
 #include "host_sim/report/page.hpp"
 #include "host_sim/summary.hpp"
@@ -95,8 +96,10 @@ std::string report_page(const Replay& replay) {
     std::string page = page_head(replay.name);
     lead(page, replay);
     cards(page, replay);
-    append_figures(page, figures_of(replay));
+    page +=
+        "<div id=\"explorer\"><noscript>The charts need a browser with scripts.</noscript></div>\n";
     table(page, replay);
+    page += explorer_data(replay, figures_of(replay)) + explorer_scripts();
     return page + page_foot("fairlead-sim replay");
 }
 

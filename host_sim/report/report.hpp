@@ -1,12 +1,12 @@
 #pragma once
-// report.html: one self-contained page about a replay.
+// report.html: one self-contained page about a replay, to be explored in a browser without network.
 #include <string>
 
 #include "host_sim/replay.hpp"
 
 namespace fairlead::sim {
 
-/// The whole page. Without gnuplot the tables stand alone, and the page says so.
+/// The whole page: figures in words, charts that move together, the body in 3D, a table.
 std::string report_page(const Replay& replay);
 
 }  // namespace fairlead::sim

@@ -257,8 +257,10 @@ class Icm20948 : public ImuDriver<Bus, 12> {
     /// Empties the FIFO; the line begins anew, since the count is its clock.
     Status empty() noexcept {
         line_.restart();
-        if (const Status s = chip_.write(icm20948::fifo_rst, 0x1F); s != Status::ok) return s;
-        return chip_.write(icm20948::fifo_rst, 0x00);
+        const std::uint8_t on[2] = {icm20948::fifo_rst, 0x1F}, off[2] = {icm20948::fifo_rst, 0x00};
+        const Transfer both[2] = {{chip_.address(), on, sizeof on, nullptr, 0},
+                                  {chip_.address(), off, sizeof off, nullptr, 0}};
+        return chip_.bus().transfer(both, 2);
     }
 
     /// In registers and FIFO alike: accelerometer, gyroscope, thermometer.

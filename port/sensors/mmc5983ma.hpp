@@ -88,8 +88,13 @@ class Mmc5983ma : public MagDriver<Bus, 1> {
         std::uint8_t b[7] = {};
         if (const Status s = chip_.read(out, b, sizeof b); s != Status::ok) return s;
         const auto step_us = static_cast<std::uint32_t>(mmc5983ma::period_ns(config_.rate) / 8000);
-        const Status s = chip_.await(status, 0x01, 0x01, 17, step_us);
-        return s == Status::timeout ? Status::bad_data : s;
+        for (int i = 0; i < 17; ++i) {
+            const auto ready = data_ready();
+            if (!ready) return ready.status();
+            if (*ready) return Status::ok;
+            chip_.bus().pause_us(step_us);
+        }
+        return Status::bad_data;
     }
 
     Result<bool> data_ready() const noexcept {

@@ -58,13 +58,63 @@ def test_bad_data_exits_1_with_the_place(folder):
     expect(0, "info", cut, "--salvage", says="records          100")
     expect(0, "replay", cut, "--salvage", says="100 records before it are used")
     text = folder / "bad.csv"
-    text.write_text("1,0,0,0,1,0,0,0\n2,0,0,zero,1,0,0,0\n")
-    expect(1, "info", text, says="line 2: 'zero' is not a number")
+    text.write_text("t_ns,px,py,pz,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n2,0,0,zero,1,0,0,0\n")
+    expect(1, "info", text, says="line 3, column 4 (pz): 'zero' is not a number; --salvage")
     empty = folder / "empty"
     empty.write_bytes(b"")
     expect(1, "info", empty, says="holds no records")
     expect(1, "decode", empty, "--at", trk, "--out", folder / "x.csv", says="no frame")
     expect(1, "replay", trk, "--out", "/proc/none", says="/proc/none")
+
+
+def test_a_run_that_refuses_much_says_so(folder):
+    trk, bad = generated(folder), folder / "bad.trk"
+    must("faults", trk, "repeat:60", "--seed", 3, "--out", bad)
+    expect(0, "replay", bad, says=" %) were refused by the intake")
+    expect(1, "replay", bad, "--strict", says=" %) were refused by the intake")
+    expect(1, "reduce", bad, "--tol-pos", "1e-3", "--tol-rot", "0.01", "--strict", "--out", folder / "s.flr",
+           says="refused")
+    expect(0, "replay", trk, "--strict")
+    code, _, err = run("replay", trk)
+    assert "refused" not in err, err
+
+
+def test_decode_at_times_that_the_stream_does_not_cover(folder):
+    trk, stream, late, out = generated(folder), folder / "s.flr", folder / "late.csv", folder / "d.csv"
+    must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.004", "--out", stream)
+    rows = [f"{t + 10 ** 12},0,0,0,1,0,0,0" for t, _, _ in read_trk(trk)]
+    late.write_text("t_ns,px,py,pz,qw,qx,qy,qz\n" + "\n".join(rows) + "\n")
+    expect(1, "decode", stream, "--at", late, "--out", out,
+           says=f"{len(rows)} of {len(rows)} times have no curve")
+    half = [f"{t},0,0,0,1,0,0,0" for t, _, _ in read_trk(trk)[100:]] + rows[:50]
+    late.write_text("t_ns,px,py,pz,qw,qx,qy,qz\n" + "\n".join(half) + "\n")
+    expect(0, "decode", stream, "--at", late, "--out", out, says=f"of {len(half)} times have no curve")
+    data = stream.read_bytes()
+    stream.write_bytes(data + data)  # the same board, started anew: two runs at the same times
+    expect(0, "info", stream, says="runs             2")
+    expect(1, "decode", stream, "--at", trk, "--out", out, says="--run 1 to 2")
+    expect(0, "decode", stream, "--at", trk, "--run", 1, "--out", out)
+    first = out.read_text()
+    expect(0, "decode", stream, "--at", trk, "--run", 2, "--out", out)
+    assert out.read_text() == first
+    expect(2, "decode", stream, "--at", trk, "--run", 3, "--out", out, says="holds 2")
+
+
+def test_convert_and_doubts(folder):
+    imu, text, back = folder / "a.imu", folder / "a.csv", folder / "b.imu"
+    must("generate", "model:icm42688p+rest:1+turn:1", "--out", imu)
+    must("convert", imu, text)
+    assert text.read_text().startswith("t_ns,gx [rad/s],")
+    must("convert", text, back, "--imu-version", 2)
+    must("convert", back, folder / "c.csv")
+    assert (folder / "c.csv").read_bytes() == text.read_bytes()
+    expect(0, "info", back, says="format           .imu, version 2")
+    rows = text.read_text().splitlines()
+    (folder / "g.csv").write_text("t_ns,ax [m/s^2],ay,az\n" + "".join(
+        f"{i * 10000000},0,0,{1 + 0.001 * (i % 3)}\n" for i in range(100)))
+    expect(0, "info", folder / "g.csv", says="--units accel=g")
+    expect(0, "info", folder / "g.csv", "--units", "accel=g", says="median length 9.8")
+    assert len(rows) > 300
 
 
 def test_generate_is_the_same_for_the_same_seed(folder):

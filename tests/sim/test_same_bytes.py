@@ -9,7 +9,7 @@ import sys
 from simulator import ROOT, main
 
 FLAGS = "-std=c++17 -ffp-contract=off -fno-math-errno".split()
-PARTS = "generate motion sensor_model spec".split()
+PARTS = "generate motion progress sensor_model spec".split()
 BUILDS = [(c, o) for c in ("g++", "clang++") for o in ("-O0", "-O2")]
 RECORDINGS = sys.argv[1:]
 

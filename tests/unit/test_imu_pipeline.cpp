@@ -66,8 +66,8 @@ TEST(ImuPipeline, IsItsStagesAndItsBytesDecode) {
 TEST(ImuPipeline, NoticesTheEndOfARangeBeforeCalibrationMovesIt) {
     using Chain = ImuPipeline<PipelineConfig>;
     Chain::Params params;
-    params.attitude.gyro_max_rad_s = 4;
-    params.attitude.accel_max_m_s2 = 40;
+    params.attitude.gyro_full_scale_rad_s = 4;
+    params.attitude.accel_full_scale_m_s2 = 40;
     params.calibration.gyro.matrix = {{0.9f, 0, 0}, {0, 0.9f, 0}, {0, 0, 0.9f}};
     params.calibration.q_bs = from_rotation_vector(Vec3{0.5f, 0.4f, 0.3f});
     auto chain = std::make_unique<Chain>(params);

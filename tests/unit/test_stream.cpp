@@ -184,3 +184,25 @@ TEST(Stream, CutAnywhereGivesAllFramesBeforeTheCut) {
         growing.push(view(out.bytes).substr(cut, 1));
     }
 }
+
+TEST(Stream, ALogInWhichTheClockStartsAnewHoldsTwoRuns) {
+    const Encoded first = run(motion(6, 500), {}), second = run(motion(7, 300), {});
+    auto log = first.bytes;
+    log.insert(log.end(), second.bytes.begin(), second.bytes.end());
+    sim::CurveStore both, one, two;
+    both.push(view(log));
+    one.push(view(first.bytes));
+    two.push(view(second.bytes));
+    ASSERT_EQ(one.runs().size(), 1u);
+    ASSERT_EQ(both.runs().size(), 2u);
+    EXPECT_EQ(both.runs()[0].position.curves(), one.position().curves());
+    EXPECT_EQ(both.runs()[1].position.curves(), two.position().curves());
+    for (const Pose& pose : first.accepted) {
+        const Pose kept = both.runs()[0].at(pose.t_ns), alone = one.at(pose.t_ns);
+        ASSERT_EQ(std::memcmp(&kept, &alone, sizeof kept), 0);
+    }
+    for (const Pose& pose : second.accepted) {
+        const Pose kept = both.runs()[1].at(pose.t_ns), alone = two.at(pose.t_ns);
+        ASSERT_EQ(std::memcmp(&kept, &alone, sizeof kept), 0);
+    }
+}

@@ -28,8 +28,8 @@ class ImuPipeline {
           calibrate_{params.calibration},
           orientation_{without_ranges(params.attitude)},
           motion_{only_orientation(params.motion)},
-          gyro_max_rad_s_{params.attitude.gyro_max_rad_s},
-          accel_max_m_s2_{params.attitude.accel_max_m_s2} {}
+          gyro_full_scale_rad_s_{params.attitude.gyro_full_scale_rad_s},
+          accel_full_scale_m_s2_{params.attitude.accel_full_scale_m_s2} {}
 
     /// One raw sample. @return the frames that it completed, possibly none; valid until the next
     /// call.
@@ -37,7 +37,7 @@ class ImuPipeline {
         pose_.reset();
         const auto sample = intake_.push(raw);
         if (!sample) return motion_.idle();
-        const Sample marked = mark_clipped(*sample, gyro_max_rad_s_, accel_max_m_s2_);
+        const Sample marked = mark_clipped(*sample, gyro_full_scale_rad_s_, accel_full_scale_m_s2_);
         pose_ = orientation_.push(calibrate_(marked));
         return pose_ ? motion_.push(*pose_) : motion_.idle();
     }
@@ -66,7 +66,7 @@ class ImuPipeline {
 
     /// Ranges are those of the raw readings: calibration and mounting would move them.
     static AttitudeParams without_ranges(AttitudeParams params) noexcept {
-        params.gyro_max_rad_s = params.accel_max_m_s2 = 0;
+        params.gyro_full_scale_rad_s = params.accel_full_scale_m_s2 = 0;
         return params;
     }
 
@@ -74,7 +74,7 @@ class ImuPipeline {
     Calibrator calibrate_;
     Orientation orientation_;
     Motion motion_;
-    float gyro_max_rad_s_, accel_max_m_s2_;
+    float gyro_full_scale_rad_s_, accel_full_scale_m_s2_;
     std::optional<Pose> pose_{};
 };
 

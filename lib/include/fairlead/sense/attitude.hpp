@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "fairlead/sense/attitude_alive.hpp"
 #include "fairlead/sense/attitude_kalman.hpp"
 #include "fairlead/sense/attitude_params.hpp"
 #include "fairlead/sense/attitude_rest.hpp"
@@ -34,9 +35,11 @@ class BasicAttitude {
     using State = AttitudeState<Real, mode>;
     static constexpr std::size_t latency = 0;
 
+    /// params must pass check(): asserted.
     explicit BasicAttitude(const AttitudeParams& params = {}) noexcept : params_{params} {
+        FAIRLEAD_ASSERT(check(params) == Status::ok);
         constexpr float longest_s = 2.0f;  // a step in ns fits 32 bits
-        gap_ns_max_ = static_cast<std::int32_t>((std::min)(params.gap_s_max, longest_s) * 1e9f);
+        gap_ns_max_ = static_cast<std::int32_t>(std::min(params.gap_s_max, longest_s) * 1e9f);
         reset();
     }
 
@@ -55,8 +58,10 @@ class BasicAttitude {
             begin(sample);
             return pose(sample);
         }
-        if (sample.t_ns <= s_.t_ns) return std::nullopt;
-        if (sample.t_ns - s_.t_ns > gap_ns_max_) {  // also where only invalid samples came
+        // a new run: its clock has nothing to do with the one before
+        const bool new_run = (sample.flags & flag::new_run) != 0;
+        if (!new_run && sample.t_ns <= s_.t_ns) return std::nullopt;
+        if (new_run || lapse(sample) > gap_ns_max_) {  // also where only invalid samples came
             if (has_gyro && has_accel) begin(sample);
             return pose(sample, has_gyro && has_accel);
         }
@@ -65,6 +70,24 @@ class BasicAttitude {
         return pose(sample);
     }
     static constexpr std::optional<Pose> flush() noexcept { return std::nullopt; }
+
+    /// Optional, for vehicles: the velocity in the body frame, m/s, such as the speed of a wheel
+    /// times the axis that points ahead, and its standard deviation, m/s (at least 0.01; slip and
+    /// the mounting's error count: 2 % of the speed is usual). Call it before the push it belongs
+    /// to, as often as there is a reading; one serves for params.drive_s. It takes the place of the
+    /// bounded velocity, so that speeding up, braking and bends are not taken for tilt. Not finite:
+    /// ignored.
+    void drive(const Vec3& velocity_b_m_s, float sigma_m_s) noexcept {
+        if (!is_finite(velocity_b_m_s) || !approx::is_finite(sigma_m_s)) return;
+        constexpr float sigma_min = 0.01f;
+        const auto sigma = static_cast<Real>(std::max(sigma_m_s, sigma_min));
+        auto& d = s_.drive;
+        d.fresh = d.fresh || !d.known;
+        d.velocity_m_s = widen(velocity_b_m_s);
+        d.variance = sigma * sigma;
+        d.age_s = 0;
+        d.known = true;
+    }
 
     // ---- what is known, after the last push
     Rotation orientation() const noexcept { return s_.q_wb; }
@@ -89,11 +112,14 @@ class BasicAttitude {
     /// Standard deviations, rad. Inclination: of the whole angle between the two verticals.
     Real inclination_sigma() const noexcept {
         constexpr float both_axes = 1.41421356f / gravity_m_s2;
-        return reported(tilt_variance(), both_axes * params_.accel_offset_m_s2);
+        return reported(tilt_variance() + motion_variance(), both_axes * params_.accel_offset_m_s2);
     }
     Real heading_sigma() const noexcept {
         static_assert(has_field, "without a magnetometer heading is only relative");
-        return reported(heading_variance(), params_.field_offset);
+        const Real dip = field_dip(s_.field);
+        const auto zero = static_cast<Real>(params_.accel_zero_m_s2 / gravity_m_s2);
+        return reported(heading_variance() + dip * dip * (motion_variance() / 2 + zero * zero),
+                        params_.field_offset);
     }
 
     // ---- what a board keeps over a power-down
@@ -120,10 +146,24 @@ class BasicAttitude {
     }
     Real heading_variance() const noexcept { return s_.covariance(State::heading, State::heading); }
 
+    /// Motion beyond what the filter can adapt to: of the whole inclination.
+    Real motion_variance() const noexcept {
+        const auto tilt = static_cast<Real>(params_.restless_tilt);
+        return tilt * tilt * (std::max)(s_.restless2 - 1, Real{0});
+    }
+
     /// The noise that the filter assumes is cautious; params.sigma_scale makes its report honest.
     Real reported(Real variance, float offset) const noexcept {
         const Real v = (std::max)(variance, Real{0}) + static_cast<Real>(offset * offset);
         return static_cast<Real>(params_.sigma_scale) * approx::sqrt(v);
+    }
+
+    /// Since the sample before, ns; the sample's time is later. Any two times have a difference.
+    std::int64_t lapse(const Sample& sample) const noexcept {
+        const auto ns =
+            static_cast<std::uint64_t>(sample.t_ns) - static_cast<std::uint64_t>(s_.t_ns);
+        return ns > static_cast<std::uint64_t>(INT64_MAX) ? INT64_MAX
+                                                          : static_cast<std::int64_t>(ns);
     }
 
     /// The first sample, and the first after an outage.
@@ -138,7 +178,7 @@ class BasicAttitude {
         if constexpr (has_field) {
             s_.field.sum = {};
             s_.field.count = 0;
-            if (valid(sample, flag::mag_valid, sample.mag_uT)) {
+            if (has_reading(sample)) {
                 const Vector field = rotate(s_.q_wb, widen(sample.mag_uT));
                 s_.q_wb = about_up(approx::atan2(field.x, field.y)) * s_.q_wb;
             }
@@ -156,15 +196,19 @@ class BasicAttitude {
         s_.t_ns = sample.t_ns;
         const bool gap = is_gap(dt);
         const bool blind = doubt_gyro(sample, dt);
-        const bool usable_accel = has_accel && !accel_clipped(sample);
-        const Vector gyro = widen(sample.gyro_rad_s);
-        const Vector accel = usable_accel ? widen(sample.accel_m_s2) : s_.rest.accel;
+        const Vector gyro = widen(sample.gyro_rad_s), read = widen(sample.accel_m_s2);
+        if (thaws(s_.alive, read)) Kalman::doubt_inclination(s_);
+        count_repeats(s_.alive, gyro, read);
+        const bool usable_accel =
+            has_accel && !accel_clipped(sample) && !s_.alive.accel_dead && !is_zero(read);
+        const Vector accel = usable_accel ? read : s_.rest.accel;
         const bool rest = update_rest(s_.rest, params_, gyro, accel, dt) && !blind;
 
         Vector rate = gyro - s_.bias_rad_s;
         rate = rate - s_.gyro_matrix * rate;
         Vector mean = rate;
         if (gap) mean = bridge(rate, dt);
+        if (blind || dt > static_cast<Real>(params_.verify_gap_s)) Kalman::doubt_inclination(s_);
         s_.rate_rad_s = rate;
         const Vector half = (dt / 2) * mean;
         const Real half2 = dot(half, half);
@@ -183,22 +227,23 @@ class BasicAttitude {
         ++w.count;
 
         std::uint32_t flags = s_.flags & (flag::settling | flag::mag_rejected);
-        if (rest) flags |= flag::rest;
+        if (rest && s_.still.still) flags |= flag::rest;
+        if (s_.doubted) flags |= flag::settling;
         if (blind || (has_accel && !usable_accel)) flags |= flag::clipped;
         s_.flags = static_cast<std::uint16_t>(flags);
         if (s_.phase == AttitudePhase::aligning)
             align();
         else
-            filter(gyro);
+            filter();
     }
 
     /// One slice; where samples are so rare that the slices outlast the window, it lasts as long.
-    void filter(const Vector& gyro) noexcept {
+    void filter() noexcept {
         const auto& w = s_.sums;
         const auto step_s = static_cast<Real>(params_.step_s);
         if (s_.slice == Kalman::idle) {
             if (w.time + s_.period_s / 2 < step_s) return;
-            note_repeats(gyro);
+            judge_alive(s_.alive, params_, s_.bias_rad_s, s_.period_s, s_.rest.quiet_s > 0);
             judge_rest(s_.rest, params_, w.time);
             Kalman::close_window(s_, params_);
             return;
@@ -213,7 +258,7 @@ class BasicAttitude {
         constexpr float lost = 0.8f;  // rad: beyond it a linear filter is worse than a new start
         const Real limit = static_cast<Real>(params_.bias_max_rad_s);
         const Vector& b = s_.bias_rad_s;
-        bool settled = tilt_variance() <= squared(params_.settled_tilt) &&
+        bool settled = tilt_variance() + motion_variance() <= squared(params_.settled_tilt) &&
                        approx::absolute(b.x) < limit && approx::absolute(b.y) < limit &&
                        approx::absolute(b.z) < limit;
         std::uint32_t flags = s_.flags & ~(flag::settling | flag::mag_rejected);
@@ -222,8 +267,13 @@ class BasicAttitude {
             if (s_.field.residual2 > squared(params_.field_disturbed_uT))
                 flags |= flag::mag_rejected;
         }
+        if (s_.doubted && s_.force_s >= static_cast<Real>(params_.verify_s) &&
+            !Kalman::force_is_off(s_, params_.force_tilt))
+            s_.doubted = false;
+        settled = settled && !s_.doubted && !Kalman::force_is_off(s_, params_.force_tilt);
         if (!settled) flags |= flag::settling;
         s_.flags = static_cast<std::uint16_t>(flags);
+        if (contradicted()) Kalman::lose_orientation(s_);
         if (tilt_variance() > squared(lost) && s_.blind_s <= 0) {
             s_.phase = AttitudePhase::aligning;
             s_.velocity_m_s = {};
@@ -233,6 +283,16 @@ class BasicAttitude {
                 s_.field.count = 0;
             }
         }
+    }
+
+    /// Do the accelerometer's readings say that the inclination is wrong?
+    bool contradicted() const noexcept {
+        constexpr float upside_down = -2;  // m/s^2, mean vertical force
+        constexpr float far_off = 1.05f;   // rad: no motion keeps the mean force there for verify_s
+        const bool verified = s_.force_s >= static_cast<Real>(params_.verify_s);
+        if (verified && s_.doubted && Kalman::force_is_off(s_, far_off)) return true;
+        return (verified && s_.force_m_s2.z < static_cast<Real>(upside_down)) ||
+               s_.tilted_s > static_cast<Real>(params_.force_lost_s);
     }
 
     /// Levels on the mean specific force so far, and turns to the mean field.
@@ -277,8 +337,8 @@ class BasicAttitude {
     /// A clipped or dead axis: the angle missed grows with the time it lasts.
     bool doubt_gyro(const Sample& sample, Real dt) noexcept {
         const bool clipped = is_clipped(sample, flag::gyro_clipped) ||
-                             at_range_end(sample.gyro_rad_s, params_.gyro_max_rad_s);
-        const bool dead = s_.gyro_dead;
+                             at_range_end(sample.gyro_rad_s, params_.gyro_full_scale_rad_s);
+        const bool dead = s_.alive.gyro_dead;
         if (!clipped && !dead) {
             s_.blind_s = 0;
             return false;
@@ -293,33 +353,20 @@ class BasicAttitude {
         return true;
     }
 
-    /// Once a window: has an axis told the same number several times while the board moved?
-    void note_repeats(const Vector& gyro) noexcept {
-        constexpr std::uint8_t dead_windows = 4;
-        const auto dead = [](Real now, Real& before, std::uint8_t& n) {
-            n = approx::same(now, before)
-                    ? static_cast<std::uint8_t>(std::min<int>(n + 1, dead_windows))
-                    : std::uint8_t{0};
-            before = now;
-            return n == dead_windows;
-        };
-        const bool x = dead(gyro.x, s_.raw_gyro.x, s_.repeats[0]);
-        const bool y = dead(gyro.y, s_.raw_gyro.y, s_.repeats[1]);
-        const bool z = dead(gyro.z, s_.raw_gyro.z, s_.repeats[2]);
-        s_.gyro_dead = (x || y || z) && s_.rest.quiet_s <= 0;
-    }
-
     bool accel_clipped(const Sample& sample) const noexcept {
         return is_clipped(sample, flag::accel_clipped) ||
-               at_range_end(sample.accel_m_s2, params_.accel_max_m_s2);
+               at_range_end(sample.accel_m_s2, params_.accel_full_scale_m_s2);
     }
 
     void add_force(const BasicMat3<Real>& axes, const Vector& accel, Real dt,
                    bool usable) noexcept {
         if (usable) {
             const Vector force = axes * accel;
-            s_.velocity_m_s[0] += dt * force.x;
-            s_.velocity_m_s[1] += dt * force.y;
+            const Real x = dt * force.x, y = dt * force.y;
+            s_.velocity_m_s[0] += x;
+            s_.velocity_m_s[1] += y;
+            s_.sums.push[0] += x;
+            s_.sums.push[1] += y;
             s_.sums.lift += dt * force.z;
             return;
         }
@@ -329,8 +376,13 @@ class BasicAttitude {
         s_.sums.doubt_velocity2 += 2 * speed * speed * dt / static_cast<Real>(params_.velocity_s);
     }
 
+    /// Of the magnetometer. Zero is not a field: a part that does not answer reads so.
+    static bool has_reading(const Sample& sample) noexcept {
+        return valid(sample, flag::mag_valid, sample.mag_uT) && !is_zero(sample.mag_uT);
+    }
+
     void add_field(const BasicMat3<Real>& axes, const Sample& sample) noexcept {
-        if (!valid(sample, flag::mag_valid, sample.mag_uT)) return;
+        if (!has_reading(sample)) return;
         if ((sample.flags & flag::mag_clipped) != 0) return;
         s_.field.sum += axes * widen(sample.mag_uT);
         ++s_.field.count;

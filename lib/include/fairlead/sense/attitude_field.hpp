@@ -56,8 +56,11 @@ inline Real field_variance(const MagField<Real>& f, const AttitudeParams& p, Rea
                            Real horizontal2) noexcept {
     const auto squared = [](float x) { return static_cast<Real>(x * x); };
     const auto correlated_s = static_cast<Real>(p.field_s);
+    // what contradicts a young reference is not noise
+    const Real disturbance2 =
+        f.residual2 * f.weight_s / (f.weight_s + static_cast<Real>(p.field_young_s));
     const Real noise2 =
-        squared(p.field_uT) + f.residual2 + squared(p.field_start_uT) * correlated_s / f.weight_s;
+        squared(p.field_uT) + disturbance2 + squared(p.field_start_uT) * correlated_s / f.weight_s;
     return noise2 * correlated_s / (time * (std::max)(horizontal2, Real{1}));
 }
 
@@ -68,7 +71,8 @@ namespace detail {
 template <class Real>
 inline bool field_changed(MagField<Real>& f, const AttitudeParams& p, Real horizontal, Real up,
                           Real time, bool turning) noexcept {
-    constexpr Real follow_s = 5, much_better = 4;
+    constexpr Real much_better = 4;
+    const auto follow_s = static_cast<Real>(p.field_next_s);
     const auto clear_uT = static_cast<Real>(p.field_disturbed_uT);
     const Real share = time / (follow_s + time);
     const Real off_h = horizontal - f.next_horizontal, off_u = up - f.next_up;
@@ -103,9 +107,15 @@ inline FieldLook<Real> look_at_field(MagField<Real>& f, const AttitudeParams& p,
     look.variance = field_variance(f, p, time, horizontal2);
     look.dip = field_dip(f);
     const Real reference2 = (std::max)(f.horizontal * f.horizontal, Real{1});
-    // a mean over n = weight / field_s looks moves by 1/n of each new one, and so may the heading
+    // a mean over n = weight / field_s looks moves by 1/n of each new one, and so may the heading.
+    // Where the field agrees with itself better than with a young reference, more so: the heading
+    // may have been taken from a disturbance.
+    const Real itself2 = 2 * f.next_residual2;
+    const Real against2 = (std::max)(f.residual2 - itself2, Real{0});
+    const Real doubt2 =
+        f.residual2 + against2 * static_cast<Real>(p.field_young_doubt_s) / f.weight_s;
     look.doubt =
-        f.residual2 * time * static_cast<Real>(p.field_s) / (f.weight_s * f.weight_s * reference2);
+        doubt2 * time * static_cast<Real>(p.field_s) / (f.weight_s * f.weight_s * reference2);
 
     const Real seen_s = rest ? time * static_cast<Real>(p.field_rest) : time;
     f.weight_s = (std::min)(static_cast<Real>(p.field_memory_s), f.weight_s + seen_s);

@@ -59,7 +59,7 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
         const auto dt = static_cast<Real>(sample.t_ns - s_.t_ns) * static_cast<Real>(1e-9);
         s_.t_ns = sample.t_ns;
         const bool clipped = is_clipped(sample, flag::gyro_clipped) ||
-                             at_range_end(sample.gyro_rad_s, params_.gyro_max_rad_s);
+                             at_range_end(sample.gyro_rad_s, params_.gyro_full_scale_rad_s);
         const bool rest = notice_rest(gyro, dt) && !clipped;
         learn_bias(rest, dt);
         const Vector rate = gyro - s_.bias_rad_s;
@@ -94,7 +94,19 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
             return false;
         }
         judge_rest(s_.rest, params_, dt);
-        return update_rest(s_.rest, params_, gyro, Vector{}, dt);
+        return update_rest(s_.rest, params_, gyro, Vector{}, dt) && believable();
+    }
+    /// A mean rate that contradicts the known bias is a slow turn: nothing here can tell otherwise.
+    bool believable() const noexcept {
+        const Vector off = s_.rest.gyro - s_.bias_rad_s;
+        const auto limit = static_cast<Real>(params_.bias_max_rad_s);
+        const Vector& mean = s_.rest.gyro;
+        if (approx::absolute(mean.x) > limit || approx::absolute(mean.y) > limit ||
+            approx::absolute(mean.z) > limit)
+            return false;
+        const bool known = 4 * s_.bias_variance < squared(params_.bias_rad_s);
+        const Real gate2 = squared(params_.rest_gate) * 3 * s_.bias_variance;
+        return !known || dot(off, off) <= gate2 + squared(params_.rest_gate_rad_s);
     }
     void learn_bias(bool rest, Real dt) noexcept {
         s_.bias_variance = (std::min)(s_.bias_variance + squared(params_.bias_walk) * dt,

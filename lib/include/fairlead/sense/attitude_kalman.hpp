@@ -15,6 +15,7 @@
 #include "fairlead/sense/attitude_field.hpp"
 #include "fairlead/sense/attitude_params.hpp"
 #include "fairlead/sense/attitude_state.hpp"
+#include "fairlead/sense/attitude_still.hpp"
 #include "fairlead/sense/attitude_strapdown.hpp"
 
 namespace fairlead {
@@ -57,6 +58,13 @@ class KalmanStep {
         }
     }
 
+    /// The mean force is taken anew: what came before says nothing about what is now.
+    static void doubt_inclination(State& s) noexcept {
+        s.force_m_s2 = {};
+        s.force_s = s.tilted_s = 0;
+        s.doubted = true;
+    }
+
     /// Before levelling: nothing is known, which is what a report shall say.
     static void lose_orientation(State& s) noexcept {
         constexpr Real tilt_variance = 1;  // 57 degrees
@@ -68,28 +76,40 @@ class KalmanStep {
     /// After levelling on the mean force over align_s: off by the change of velocity in that time.
     static void aligned(State& s, const Params& params) noexcept {
         auto& p = s.covariance;
-        const Real speed2 = squared(params.velocity_m_s);
-        const Real per_lift = 1 / real(gravity_m_s2 * params.align_s);
-        const Real tilt2 = 2 * speed2 * per_lift * per_lift;
+        // the mean force over align_s is off by the change of velocity in it, sqrt(2) speed / time;
+        // capped, so that a large velocity_m_s does not make every levelling a lost orientation
+        constexpr float tilt_max = 0.4f, root_2 = 1.41421356f;
+        const Real speed = real(params.velocity_m_s), speed2 = speed * speed;
+        const Real tilt1 =
+            (std::min)(real(root_2) * speed / real(gravity_m_s2 * params.align_s), real(tilt_max));
+        const Real tilt2 = tilt1 * tilt1, both = tilt1 * speed / real(root_2);
         for (std::size_t i = 0; i < 2; ++i) {
             forget(p, State::tilt + i, tilt2);
             forget(p, State::velocity + i, speed2);
         }
-        p(State::velocity, State::tilt + 1) = speed2 * per_lift;
-        p(State::velocity + 1, State::tilt) = -speed2 * per_lift;
+        p(State::velocity, State::tilt + 1) = both;
+        p(State::velocity + 1, State::tilt) = -both;
         if constexpr (has_field) {
             // turned to north on that level: heading error = dip * tilt_y + its own
             const Real dip = field_dip(s.field);
             const Real own = field_variance(s.field, params, real(params.align_s),
                                             s.field.horizontal * s.field.horizontal);
-            forget(p, State::heading, (std::min)(dip * dip * tilt2 + own, heading_variance_max));
-            p(State::heading, State::tilt + 1) = dip * tilt2;
-            p(State::heading, State::velocity) = dip * speed2 * per_lift;
+            const Real whole = dip * dip * tilt2 + own;
+            forget(p, State::heading, (std::min)(whole, heading_variance_max));
+            // where the variance is capped, so are its covariances: the matrix stays positive
+            const Real kept =
+                whole > heading_variance_max ? dip * heading_variance_max / whole : dip;
+            p(State::heading, State::tilt + 1) = kept * tilt2;
+            p(State::heading, State::velocity) = kept * both;
         }
         s.velocity_m_s = {};
         s.correction = {};
         s.slice = idle;
         s.sums = {};
+        s.drive.fresh = true;
+        doubt_inclination(s);
+        s.doubted = false;
+        s.slow_velocity_m_s = {};
     }
 
     /// Takes over the window's sums; the first part of the covariance's way through the window.
@@ -98,9 +118,12 @@ class KalmanStep {
         auto& m = s.means;
         m.time = w.time;
         m.rate = (1 / w.time) * w.turn;
+        take_drive(s, params);
         m.velocity = s.velocity_m_s;
         m.middle = s.q_wb * turn_quat(real(-0.5f) * w.turn, dot(w.turn, w.turn) / 4);
         if constexpr (has_field) close_field(s.field);
+        watch_force(s, params);
+        watch_rest(s, params);
 
         auto& p = s.covariance;
         Column with = p.column(State::tilt + 1);
@@ -108,9 +131,20 @@ class KalmanStep {
         with = p.column(State::tilt);
         p.shear(State::velocity + 1, -w.lift, with, with[State::tilt]);
         add_noise(p, params, w);
+        const Real walk2 = (squared(params.bias_walk) + s.trend.drift2) * w.time;
+        for (std::size_t i = State::bias; i < State::bias + 3; ++i)
+            if (p(i, i) < squared(params.bias_rad_s)) p(i, i) += walk2;
+        s.trend.variance = bias_variance(p);
         w = {};
         s.correction = {};
         s.slice = turn_x;
+    }
+
+    /// Is the mean force farther from the vertical than `angle`?
+    static bool force_is_off(const State& s, float angle) noexcept {
+        const auto& f = s.force_m_s2;
+        const Real across2 = f.x * f.x + f.y * f.y, slope = real(angle * (1 + angle * angle / 3));
+        return !(f.z > 0) || across2 > slope * slope * f.z * f.z;
     }
 
     /// One slice of the step; the last one corrects the state.
@@ -169,8 +203,76 @@ class KalmanStep {
             Real& h = p(State::heading, State::heading);
             h = (std::max)(h, (std::min)(h + angle2, heading_variance_max));
         }
-        for (std::size_t i = State::bias; i < State::bias + 3; ++i)
-            if (p(i, i) < squared(params.bias_rad_s)) p(i, i) += squared(params.bias_walk) * w.time;
+    }
+
+    static Real bias_variance(const Covariance<Real, State::size>& p) noexcept {
+        return p(State::bias, State::bias) + p(State::bias + 1, State::bias + 1) +
+               p(State::bias + 2, State::bias + 2);
+    }
+
+    /// Corrections of a bias that only wanders are white. Where they keep their sign it drifts.
+    static void follow_bias(State& s, const Params& params) noexcept {
+        auto& t = s.trend;
+        const Real* x = s.correction.data() + State::bias;
+        const auto memory_s = real(params.bias_trend_s);
+        const Real time = s.means.time, share = time / (memory_s + time);
+        t.mean += share * (BasicVec3<Real>{x[0], x[1], x[2]} - t.mean);
+        const Real told2 = (std::max)(t.variance - bias_variance(s.covariance), Real{0});
+        t.white2 += share * (told2 - t.white2);
+        // a low-passed white sequence keeps share / 2 of its variance
+        const Real excess2 =
+            dot(t.mean, t.mean) - squared(params.bias_trend_sigma) * share / 2 * t.white2;
+        t.drift2 = (std::clamp)(excess2 * memory_s / (time * time), Real{0},
+                                squared(params.bias_trend_max));
+    }
+
+    /// The speed input in the world. Its first reading after a pause is the velocity.
+    static void take_drive(State& s, const Params& params) noexcept {
+        auto& d = s.drive;
+        if (!d.known) return;
+        d.age_s += s.means.time;
+        if (d.age_s > real(params.drive_s)) {
+            d.known = false;
+            return;
+        }
+        const BasicVec3<Real> v = rotate(s.q_wb, d.velocity_m_s);
+        s.means.driven = {v.x, v.y};
+        s.restless2 = 0;  // the speed is known: no motion is taken for tilt
+        if (d.fresh) {
+            d.fresh = false;
+            s.velocity_m_s = s.means.driven;
+            forget(s.covariance, State::velocity, d.variance);
+            forget(s.covariance, State::velocity + 1, d.variance);
+        }
+    }
+
+    /// The mean specific force: whatever the motion, it points up in the end.
+    static void watch_force(State& s, const Params& params) noexcept {
+        const auto& w = s.sums;
+        const Real share = w.time / (std::min(s.force_s, real(params.force_s)) + w.time);
+        const BasicVec3<Real> force = (1 / w.time) * BasicVec3<Real>{w.push[0], w.push[1], w.lift};
+        s.force_m_s2 += share * (force - s.force_m_s2);
+        s.force_s += w.time;
+        s.tilted_s = force_is_off(s, params.force_lost) ? s.tilted_s + w.time : Real{0};
+    }
+
+    /// A quiet board: at rest, or in a slow turn? What a turn taught is undone.
+    static void watch_rest(State& s, const Params& params) noexcept {
+        auto& p = s.covariance;
+        const KnownBias<Real> known{
+            s.bias_rad_s,
+            {p(State::bias, State::bias), p(State::bias + 1, State::bias + 1),
+             p(State::bias + 2, State::bias + 2)}};
+        BasicVec3<Real> field{};
+        const BasicVec3<Real>* seen = nullptr;
+        if constexpr (has_field)
+            if (s.field.mean_count > 0) {
+                field = rotate(conj(s.means.middle), s.field.mean);
+                seen = &field;
+            }
+        if (!judge_still(s.still, params, s.rest, known, seen, s.means.time)) return;
+        s.bias_rad_s = s.still.bias;
+        for (std::size_t i = 0; i < 3; ++i) forget(p, State::bias + i, s.still.variance);
     }
 
     /// The errors of body axis j turn the world: error -= R_j (db_j + dC_j rate).
@@ -204,16 +306,34 @@ class KalmanStep {
     }
 
     static void measure_bias(State& s, const Params& params, std::size_t axis) noexcept {
-        const Real rate = component(s.rest.gyro, axis), bias = component(s.bias_rad_s, axis);
+        const Real rate = component(s.rest.gyro, axis) - component(s.still.unproven, axis),
+                   bias = component(s.bias_rad_s, axis);
         const Real noise2 = squared(params.rest_rate_rad_s) * real(params.rest_window_s);
         measure(s, State::bias + axis, rate - bias, noise2 / s.means.time);
     }
 
     static void measure_velocity(State& s, const Params& params, std::size_t axis) noexcept {
-        const Real noise2 = resting(s)
-                                ? squared(params.rest_velocity_m_s) * real(params.rest_velocity_s)
-                                : squared(params.velocity_m_s) * real(params.velocity_s);
+        if (s.drive.known) {
+            measure(s, State::velocity + axis, s.means.driven[axis] - s.means.velocity[axis],
+                    s.drive.variance);
+            return;
+        }
+        const Real usual2 = notice_motion(s, params, axis);
+        const Real noise2 =
+            resting(s) ? squared(params.rest_velocity_m_s) * real(params.rest_velocity_s) : usual2;
         measure(s, State::velocity + axis, -s.means.velocity[axis], noise2 / s.means.time);
+    }
+
+    /// Variance of a velocity of mean 0, times its correlation time, in the motion of late.
+    static Real notice_motion(State& s, const Params& params, std::size_t axis) noexcept {
+        const Real time = s.means.time;
+        Real& slow = s.slow_velocity_m_s[axis];
+        slow += time / (real(params.restless_s) + time) * (s.means.velocity[axis] - slow);
+        s.restless2 += time / (real(params.restless_memory_s) + time) * (slow * slow - s.restless2);
+        const Real usual = squared(params.velocity_m_s) * real(params.velocity_s);
+        const Real seen = real(2 * params.restless_gain * params.restless_s) * s.restless2 *
+                          (1 + real(params.restless_knee) * s.restless2);
+        return (std::clamp)(seen, usual, real(params.restless_max) * usual);
     }
 
     static void measure_heading(State& s, const Params& params) noexcept {
@@ -256,15 +376,21 @@ class KalmanStep {
             s.field.sum = rotate(q, s.field.sum);
         }
         s.q_wb = normalised(q * s.q_wb);
+        follow_bias(s, params);
         const Real limit = real(params.bias_max_rad_s);
         // beyond the limit it is not believed, and then it is not known either
         const auto bias = [&](Real b, std::size_t i) {
-            const Real found = b + x[State::bias + i], kept = std::clamp(found, -limit, limit);
+            const Real found = b + x[State::bias + i], kept = (std::clamp)(found, -limit, limit);
             Real& variance = s.covariance(State::bias + i, State::bias + i);
-            if (!approx::same(kept, found)) variance = (std::max)(variance, limit * limit);
+            if (kept != found) variance = (std::max)(variance, limit * limit);
             return kept;
         };
         s.bias_rad_s = {bias(s.bias_rad_s.x, 0), bias(s.bias_rad_s.y, 1), bias(s.bias_rad_s.z, 2)};
+        // so wrong a bias has turned the orientation further than a linear step can mend
+        constexpr float far_off = 0.05f;  // rad/s
+        const Real* found = x.data() + State::bias;
+        if (found[0] * found[0] + found[1] * found[1] + found[2] * found[2] > squared(far_off))
+            lose_orientation(s);
         const Real *scale = x.data() + State::scale, *shear = x.data() + State::shear;
         s.gyro_matrix = s.gyro_matrix +
                         BasicSym3<Real>{scale[0], shear[2], shear[1], scale[1], shear[0], scale[2]};

@@ -4,6 +4,8 @@
 // changing it costs: docs/attitude.md.
 #include "fairlead/base/compiler.hpp"
 
+#include "fairlead/base/status.hpp"
+
 namespace fairlead {
 
 struct AttitudeParams {
@@ -17,24 +19,49 @@ struct AttitudeParams {
     float rate_walk = 0.5f;    // rad/s/sqrt(s): how the rate may wander within a gap
 
     // ---- gyro errors, standard deviations
-    float gyro_noise = 0.01f * deg;     // rad/sqrt(s), white
-    float gyro_scale_noise = 0.003f;    // rad/sqrt(rad turned): what no constant matrix explains
-    float bias_rad_s = 0.6f * deg;      // at switch-on
-    float bias_max_rad_s = 2.0f * deg;  // never believed beyond
-    float bias_walk = 0.01f * deg;      // rad/s/sqrt(s)
-    float clock_error = 0.01f;          // common to the three axes: the sensor's oscillator
-    float scale_error = 0.008f;         // per axis
-    float misalignment = 0.002f;        // rad
+    float gyro_noise = 0.01f * deg;      // rad/sqrt(s), white
+    float gyro_scale_noise = 0.003f;     // rad/sqrt(rad turned): what no constant matrix explains
+    float bias_rad_s = 0.6f * deg;       // prior: what a start in motion assumes
+    float bias_max_rad_s = 25.0f * deg;  // limit: a rest may show as much, never believed beyond
+    float bias_walk = 0.01f * deg;       // rad/s/sqrt(s)
+    float bias_trend_s = 12.0f;          // corrections that keep their sign so long show a drift,
+    float bias_trend_sigma = 2.0f;       // where they exceed so many sigmas of white ones,
+    float bias_trend_max = 0.06f * deg;  // and raise bias_walk up to this
+    float clock_error = 0.01f;           // common to the three axes: the sensor's oscillator
+    float scale_error = 0.008f;          // per axis
+    float misalignment = 0.002f;         // rad
 
     // ---- ranges, of the readings as they come to the filter; 0: not known, flags speak (clip.hpp)
-    float gyro_max_rad_s = 0;
-    float accel_max_m_s2 = 0;
+    float gyro_full_scale_rad_s = 0;
+    float accel_full_scale_m_s2 = 0;
 
     // ---- motion: a body's velocity stays bounded, which is what makes gravity visible
-    float velocity_m_s = 0.7f;        // standard deviation of the horizontal velocity
+    float velocity_m_s = 0.7f;        // standard deviation of the horizontal velocity, 0.1 to 30
     float velocity_s = 0.5f;          // its correlation time
     float accel_noise = 0.05f;        // m/s^2 sqrt(s)
-    float accel_offset_m_s2 = 0.03f;  // error of its zero, an axis: reported, never corrected
+    float accel_offset_m_s2 = 0.03f;  // error of a calibrated zero, an axis: in the report only
+    float accel_zero_m_s2 = 0.3f;     // of an uncalibrated one: in the heading's report, by the dip
+
+    // ---- sustained motion (running, flying, riding) shows as a slow innovation of the velocity
+    // and raises its variance, so that it is taken neither for tilt nor for bias
+    float restless_s = 1.0f;         // what lasts longer is motion, not noise
+    float restless_memory_s = 8.0f;  // its mean square r is taken over this time
+    float restless_gain = 3.0f;      // variance * time >= 2 gain restless_s r (1 + knee r)
+    float restless_knee = 2.0f;      // 1/(m/s)^2
+    float restless_max = 25.0f;      // at most so many times the usual variance
+    float restless_tilt = 0.03f;     // rad of tilt per m/s beyond 1 m/s: in the report only
+    float drive_s = 0.5f;            // a reading of the speed input serves for so long
+
+    // ---- contradictions
+    float force_s = 1.5f;            // the specific force is averaged over this time
+    float verify_s = 0.5f;           // after readings that were lost or wrong: over this time
+    float force_tilt = 15.0f * deg;  // its mean so far from the vertical: flag::settling
+    float force_lost = 30.0f * deg;  // and so far, for force_lost_s: the inclination is lost
+    float force_lost_s = 5.0f;
+    float verify_gap_s = 0.15f;  // a gap, or blind gyro, so long: the inclination is verified
+    float dead_axis_s = 0.25f;   // a gyro axis that repeats its reading in motion is dead
+    float dead_sensor_s = 0.1f;  // a whole sensor likewise
+    float dead_rate_rad_s = 0.5f * deg;  // at a rate farther from the bias than this
 
     // ---- rest
     float rest_s = 1.5f;                  // quiet for so long
@@ -43,6 +70,10 @@ struct AttitudeParams {
     float rest_accel_m_s2 = 0.5f;         // likewise
     float rest_noise_max = 3.0f;          // a noisy sensor may raise the two so many times
     float rest_rate_rad_s = 0.03f * deg;  // error of the mean rate over rest_window_s
+    float rest_gate = 3.0f;               // sigmas of the known bias that a rest may contradict
+    float rest_gate_rad_s = 0.2f * deg;   // and so much beside
+    float rest_field_uT = 1.0f;           // the field moved so far in the body: no rest
+    float rest_tilt = 1.0f * deg;         // gravity moved so far in the body: no rest
     float rest_velocity_m_s = 0.02f;
     float rest_velocity_s = 0.1f;
 
@@ -54,13 +85,44 @@ struct AttitudeParams {
     float field_memory_s = 300.0f;    // of the reference
     float field_rest = 10.0f;         // at rest the reference learns so much faster
     float field_disturbed_uT = 5.0f;  // farther from the reference: flag::mag_rejected
-    float field_change_s = 20.0f;     // a new field, steady for so long in motion, is believed
-    float field_offset = 1.0f * deg;  // error of magnetic north itself: reported, never corrected
+    float field_next_s = 1.0f;        // a second reference follows the field so fast
+    float field_young_s = 10.0f;      // a younger reference is contradicted, not disturbed:
+    float field_young_doubt_s = 40.0f;  // the heading taken with it loses so much more trust
+    float field_change_s = 20.0f;       // a new field, steady for so long in motion, is believed
+    float field_offset = 1.0f * deg;    // error of magnetic north itself: reported, never corrected
 
     // ---- reporting
     float sigma_scale = 0.6f;         // of the reported standard deviations
     float settled_tilt = 3.0f * deg;  // flag::settling until both are known so well
     float settled_heading = 10.0f * deg;
 };
+
+/// Can the filter work with these? Every time, variance and limit must be finite and positive
+/// within the range of its kind; the full scales may be 0.
+constexpr Status check(const AttitudeParams& p) noexcept {
+    const auto within = [](float x, float low, float high) { return x >= low && x <= high; };
+    const auto time = [&](float s) { return within(s, 1e-3f, 1e4f); };
+    const bool times = within(p.step_s, 0.02f, 0.5f) && within(p.align_s, 0.1f, 10) &&
+                       within(p.gap_periods, 1, 100) && within(p.gap_s_max, 0.01f, 2) &&
+                       time(p.velocity_s) && time(p.restless_s) && time(p.restless_memory_s) &&
+                       time(p.drive_s) && time(p.force_s) && time(p.verify_s) &&
+                       time(p.force_lost_s) && time(p.verify_gap_s) && time(p.dead_axis_s) &&
+                       time(p.dead_sensor_s) && time(p.rest_s) && time(p.rest_window_s) &&
+                       time(p.rest_velocity_s) && time(p.bias_trend_s) && time(p.field_s) &&
+                       time(p.field_residual_s) && time(p.field_memory_s) && time(p.field_next_s) &&
+                       time(p.field_young_s) && time(p.field_change_s);
+    const bool motion = within(p.velocity_m_s, 0.1f, 30) && within(p.accel_noise, 1e-4f, 10) &&
+                        within(p.restless_gain, 0, 100) && within(p.restless_knee, 0, 100) &&
+                        within(p.restless_max, 1, 1e4f) && within(p.restless_tilt, 0, 1);
+    const bool gyro = within(p.gyro_noise, 1e-7f, 0.1f) && within(p.bias_rad_s, 1e-5f, 1) &&
+                      within(p.bias_max_rad_s, 1e-5f, 2) && within(p.bias_walk, 0, 0.1f) &&
+                      within(p.bias_trend_max, 0, 0.1f) && within(p.clock_error, 0, 0.2f) &&
+                      within(p.scale_error, 0, 0.2f) && within(p.misalignment, 0, 0.2f) &&
+                      within(p.gyro_full_scale_rad_s, 0, 1e3f) &&
+                      within(p.accel_full_scale_m_s2, 0, 1e5f);
+    const bool field = within(p.field_uT, 1e-3f, 100) && within(p.rest_field_uT, 0.05f, 100) &&
+                       within(p.field_rest, 1, 1e3f) && within(p.rest_tilt, 1e-3f, 1);
+    return times && motion && gyro && field ? Status::ok : Status::bad_argument;
+}
 
 }  // namespace fairlead

@@ -22,13 +22,10 @@ inline void judge_rest(RestState<Real>& s, const AttitudeParams& p, Real time) n
     const auto limit2 = [&](Real& floor2, Real noise2, float limit) {
         floor2 = (std::min)(floor2 * rise, noise2);
         const auto least = static_cast<Real>(limit * limit);
-        return std::clamp(noise_factor2 * floor2, least, least * most);
+        return (std::clamp)(noise_factor2 * floor2, least, least * most);
     };
     s.gyro_max2 = limit2(s.gyro_floor2, s.gyro_noise2, p.rest_gyro_rad_s);
     s.accel_max2 = limit2(s.accel_floor2, s.accel_noise2, p.rest_accel_m_s2);
-    const auto bias = static_cast<Real>(p.bias_max_rad_s);
-    s.plausible = approx::absolute(s.gyro.x) <= bias && approx::absolute(s.gyro.y) <= bias &&
-                  approx::absolute(s.gyro.z) <= bias;
 }
 
 template <class Real>
@@ -55,7 +52,7 @@ inline bool update_rest(RestState<Real>& s, const AttitudeParams& p, const Basic
     s.gyro_noise2 += gain * (g2 - s.gyro_noise2);
     s.accel_noise2 += gain * (a2 - s.accel_noise2);
     const auto enough = static_cast<Real>(p.rest_s);
-    if (!(g2 < s.gyro_max2 && a2 < s.accel_max2 && s.plausible))
+    if (!(g2 < s.gyro_max2 && a2 < s.accel_max2))
         s.quiet_s = 0;
     else if (s.quiet_s < enough)
         s.quiet_s += dt;

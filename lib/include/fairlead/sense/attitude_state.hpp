@@ -21,9 +21,10 @@ enum class AttitudePhase : std::uint8_t { empty, aligning, running };
 /// Sums over the running window, at full rate.
 template <class Real>
 struct WindowSums {
-    BasicVec3<Real> turn{};  // of the body's rotation vectors
-    Real turn2{};            // of their squared lengths
-    Real lift{};             // of the vertical specific force, times dt
+    BasicVec3<Real> turn{};      // of the body's rotation vectors
+    Real turn2{};                // of their squared lengths
+    std::array<Real, 2> push{};  // of the horizontal specific force, times dt
+    Real lift{};                 // of the vertical specific force, times dt
     Real time{};
     Real doubt_angle2{};  // variance that missing or clipped readings add
     Real doubt_velocity2{};
@@ -36,6 +37,7 @@ struct WindowMeans {
     BasicQuat<Real> middle{};  // orientation in the middle of the window
     BasicVec3<Real> rate{};    // mean calibrated rate
     std::array<Real, 2> velocity{};
+    std::array<Real, 2> driven{};  // what the speed input says of it
     Real time{};
 };
 
@@ -47,7 +49,51 @@ struct RestState {
     Real gyro_floor2{}, accel_floor2{};  // the least of it so far
     Real gyro_max2{}, accel_max2{};      // deviations below are quiet
     Real quiet_s{};
-    bool plausible{};  // the mean rate may be a bias
+};
+
+/// Is a quiet board at rest, or does it turn slowly and steadily? (attitude_still.hpp)
+template <class Real>
+struct StillState {
+    BasicVec3<Real> accel{}, field{};  // at the anchor, in the body
+    BasicVec3<Real> field_now{};       // low-passed
+    BasicVec3<Real> turned{};          // since the anchor, if the known bias is right
+    BasicVec3<Real> turned_now{};      // the same, low-passed like the field
+    BasicVec3<Real> bias{};            // as it was known at the anchor
+    Real variance{};                   // of its least known axis
+    BasicVec3<Real> unproven{};        // part of the mean rate that is not taken for a bias
+    Real held_s{};                     // since the anchor; 0: none
+    bool has_field{}, moved{}, suspected{}, still{};
+    bool guessed{};  // this rest's vertical bias is taken without evidence: nothing is known yet
+    bool rested{};   // the vertical bias is known
+};
+
+/// Does the bias drift? Its corrections of late.
+template <class Real>
+struct BiasTrend {
+    BasicVec3<Real> mean{};  // low-passed correction, a Kalman step
+    Real white2{};           // variance of corrections that would be white
+    Real variance{};         // of the three biases, before the step's measurements
+    Real drift2{};           // what a drift adds to the variance of each, (rad/s)^2/s
+};
+
+/// What an odometer or a log said last (BasicAttitude::drive).
+template <class Real>
+struct DriveState {
+    BasicVec3<Real> velocity_m_s{};  // in the body
+    Real variance{};
+    Real age_s{};  // since then
+    bool known{};  // it is in use
+    bool fresh{};  // its next reading is the velocity
+};
+
+/// The last readings, and for how long they have repeated themselves.
+template <class Real>
+struct AliveState {
+    BasicVec3<Real> gyro{}, accel{};
+    std::array<std::uint16_t, 3> gyro_runs{};  // repetitions of each axis
+    std::uint16_t accel_runs{};
+    bool repeating{};  // any of them does
+    bool gyro_dead{}, accel_dead{};
 };
 
 template <class Real, AttitudeMode mode>
@@ -68,7 +114,7 @@ struct FieldState<Real, AttitudeMode::imu_mag> {
 
 template <class Real, AttitudeMode mode>
 struct AttitudeState {
-    static constexpr std::uint32_t saved_version = 2;
+    static constexpr std::uint32_t saved_version = 3;
 
     /// Error states: tilt about east and north, velocity, gyro bias, gyro matrix (scale xx, yy, zz,
     /// shear yz, zx, xy); heading comes last, so that it is one more row below the filter that does
@@ -87,12 +133,19 @@ struct AttitudeState {
     WindowSums<Real> sums{};
     WindowMeans<Real> means{};
     RestState<Real> rest{};
+    StillState<Real> still{};
     FieldState<Real, mode> field{};
-    Real period_s{};             // typical time step
-    Real blind_s{};              // for so long the gyro has been clipped or stuck
-    BasicVec3<Real> raw_gyro{};  // the last reading, to notice an axis that has died
-    std::array<std::uint8_t, 3> repeats{};
-    bool gyro_dead{};
+    std::array<Real, 2> slow_velocity_m_s{};  // low-passed innovation of the velocity
+    Real restless2{};                         // its mean square
+    BiasTrend<Real> trend{};
+    BasicVec3<Real> force_m_s2{};  // mean specific force, in the world
+    Real force_s{};                // over so much time
+    Real tilted_s{};               // it has been far from the vertical for so long
+    bool doubted{};                // readings were lost or wrong: the inclination is to be verified
+    Real period_s{};               // typical time step
+    Real blind_s{};                // for so long the gyro has been clipped or stuck
+    AliveState<Real> alive{};
+    DriveState<Real> drive{};
     AttitudePhase phase{};
     std::uint8_t slice{};   // 0: the Kalman step is idle
     std::uint16_t flags{};  // of the last pose

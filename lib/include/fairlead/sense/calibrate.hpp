@@ -32,13 +32,15 @@ struct Calibration {
 
 class Calibrator {
   public:
+    /// Identity until the board is calibrated.
     constexpr Calibrator() noexcept = default;
     constexpr explicit Calibrator(const Calibration& calibration) noexcept : c_{calibration} {}
 
     Sample operator()(const Sample& sample) const noexcept {
-        return (*this)(sample, c_.temperature_C);
+        const bool told = (sample.flags & flag::temperature_valid) != 0;
+        return (*this)(sample, told ? sample.temperature_c : c_.temperature_C);
     }
-    /// With the sensor's own temperature. Times and flags pass unchanged.
+    /// With a temperature from elsewhere. Times and flags pass unchanged.
     Sample operator()(const Sample& sample, float temperature_C) const noexcept {
         Sample out = sample;
         const Vec3 drift = (temperature_C - c_.temperature_C) * c_.gyro_offset_per_K;

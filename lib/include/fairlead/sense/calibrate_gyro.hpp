@@ -87,7 +87,9 @@ class GyroTemperatureFit {
         const float left2 =
             bb_ - n * dot(out.bias_rad_s, out.bias_rad_s) - spread * dot(out.per_K, out.per_K);
         out.residual_rad_s = approx::sqrt((left2 > 0 ? left2 : 0) / (3 * n));
-        if (!is_finite(out.per_K)) return Status::bad_data;
+        if (!is_finite(out.per_K) || !is_finite(out.bias_rad_s) ||
+            !approx::is_finite(out.residual_rad_s) || !approx::is_finite(out.temperature_C))
+            return Status::bad_data;
         return out;
     }
 
