@@ -14,6 +14,8 @@ void start();
 
 /// Sleeps until there is a record and reads it. False: the board is to stop.
 bool next(fairlead::Pose& record);
+/// The same of a board with a bare IMU (main_imu.cpp): SI units, body frame, valid bits set.
+bool next(fairlead::Sample& sample);
 
 /// Sends bytes; returns when the buffer may be used again (a board with DMA copies or swaps).
 void send(const std::uint8_t* bytes, std::size_t size);

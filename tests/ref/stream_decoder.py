@@ -591,12 +591,7 @@ class Decoder:
         return n
 
     def head(self, io, before, joining=False):
-        if self.header.independent:
-            start = self.time(io, before)
-            if not joining and start < before:
-                raise Nonsense("start")
-            return start, start + 64 * self.ticks(io), True
-        restart = io.flag(1, 2)
+        restart = self.header.independent or io.flag(1, 2)
         if joining and not restart:
             raise Nonsense("no restart frame")
         jump = 0
@@ -607,13 +602,13 @@ class Decoder:
                 raise Nonsense("jump")
         start = before + jump
         length = 64 * self.ticks(io)
-        end = start + length
         if restart:
-            told = self.time(io, before if joining else end)
-            if not joining and told != end:
+            known = start if self.header.independent else start + length
+            told = self.time(io, before if joining else known)
+            if not joining and told != known:
                 raise Nonsense("time")
-            start, end = told - length, told
-        return start, end, restart
+            start = told if self.header.independent else told - length
+        return start, start + length, restart
 
     # -- content
 
@@ -641,6 +636,10 @@ class Decoder:
                 self.times(io, c, ticks, start, end)
             lines = []
             for number, c in enumerate(channels):
+                for i, t in enumerate(c.tracks if c.over else []):
+                    zero = [0] * t.n
+                    lines.append(self.line(number, i, start, start, JUMP, 0, zero, zero, zero, c, [1.0, 0.0, 0.0, 0.0]))
+            for number, c in enumerate(channels):
                 for i, t in enumerate(c.tracks if c.present else []):
                     self.pieces(io, lines, number, c, i, t, start, restart, independent)
             if not io.finished():
@@ -655,8 +654,9 @@ class Decoder:
     def ends(self, io, c, restart, independent, reading):
         if independent:
             live = io.flag(15, 4)
-            if reading == "in step" and live != c.live:
+            if reading == "in step" and live and not c.live:
                 raise Nonsense("live")
+            c.over = reading == "in step" and c.live and not live
             c.live = live
             if live:
                 self.start_told(io, c, reading)
@@ -681,6 +681,8 @@ class Decoder:
                 t.forget(False)
 
     def times(self, io, c, ticks, start, end):
+        c.over = c.over if self.header.independent else c.live and io.flag(1, 5)
+        c.live = c.live and not c.over
         c.present = c.live or c.goes_on or io.flag(1, 4)
         if not c.present:
             return
@@ -727,7 +729,7 @@ class Decoder:
             else:
                 rise = t.step(code, subs, k)
             if code == JUMP:
-                v, rise = [a + b for a, b in zip(v, k)], [0] * t.n
+                v, s, rise = [a + b for a, b in zip(v, k)], k, [0] * t.n
                 if told and c.rotates and left == subs:
                     t.land(code, subs, from_grid(c.told, c.step[0]), c.step[0])
             left -= subs

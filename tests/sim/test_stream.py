@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
-"""The second decoder (tests/ref/stream_decoder.py, written from docs/stream.md) on the golden streams."""
+"""The decoders in Python (tests/ref/stream_decoder.py, written from docs/stream.md) and in JavaScript
+(host_sim/report/stream_decoder.js) on the golden streams."""
 import pathlib
+import shutil
+import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -14,24 +17,40 @@ def lines_of(path):
     return lines
 
 
+def lines_of_javascript(path):
+    done = subprocess.run(["node", ROOT / "tests/sim/list_stream.js", path], capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()
+
+
 def by_kind(lines):
     """Pieces and events keep their order among themselves; a reader out of step may tell events earlier."""
     return {kind: [line for line in lines if line.startswith(kind)] for kind in ("run", "piece", "event")}
 
 
-def main():
-    failed, pieces = 0, 0
+def check(name, read):
     streams = sorted((ROOT / f"tests/golden/v{stream_decoder.VERSION}").glob("*.bin"))
+    pieces, failed = 0, False
     for path in streams:
-        told, expected = by_kind(lines_of(path)), by_kind(path.with_suffix(".txt").read_text().splitlines())
+        told, expected = by_kind(read(path)), by_kind(path.with_suffix(".txt").read_text().splitlines())
         pieces += len(expected["piece"])
         if told != expected:
-            failed += 1
-            print(f"FAIL {path.name}: the second decoder reads another stream")
+            failed = True
+            wrong = next((a, b) for kind in told for a, b in zip(told[kind] + [None], expected[kind] + [None]) if a != b)
+            print(f"  {path.name}: {wrong[0]}\n  instead of  {wrong[1]}")
     if len(streams) < 7 or pieces < 3000:
-        sys.exit(f"FAIL only {len(streams)} golden streams, {pieces} pieces")
-    print(f"{'FAIL' if failed else 'ok'} test_stream: {len(streams)} streams, {pieces} pieces")
-    sys.exit(bool(failed))
+        failed = True
+        print(f"  only {len(streams)} golden streams, {pieces} pieces")
+    print(f"{'FAIL' if failed else 'ok'} test_stream {name}: {len(streams)} streams, {pieces} pieces")
+    return failed
+
+
+def main():
+    failed = check("python", lines_of)
+    if shutil.which("node"):
+        failed |= check("javascript", lines_of_javascript)
+    else:
+        print("skipped test_stream javascript: node is not installed")
+    sys.exit(failed)
 
 
 if __name__ == "__main__":

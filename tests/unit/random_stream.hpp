@@ -126,7 +126,9 @@ class RandomStream {
     void plan(Writer::Coder& coder, unsigned ticks, bool restart) {
         for (std::size_t c = 0; c < layout_.channels; ++c) {
             auto& frame = coder.channel[c];
-            const bool live = (writer_.states.live >> c & 1u) != 0;
+            const bool was_live = (writer_.states.live >> c & 1u) != 0;
+            frame.over = was_live && chance(0.03);
+            const bool live = was_live && !frame.over;
             frame.goes_on = live ? !chance(options_.ends) : !chance(0.2);
             frame.present = live || frame.goes_on || chance(0.2);
             frame.starts = !live && frame.present;

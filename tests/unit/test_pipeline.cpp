@@ -218,6 +218,19 @@ TEST(Pipeline, RefusedParametersMakeItInertAndNamed) {
     EXPECT_EQ(field([](auto& p) { p.intake.position_max_m = 4e5f; }), "position_max_m");
 }
 
+TEST(Pipeline, RefusesAnAttitudeOrACalibrationThatCannotWork) {
+    Chain<ImuBoard>::Params params;
+    EXPECT_TRUE(Chain<ImuBoard>::check(params));
+    params.attitude.step_s = 0;
+    EXPECT_STREQ(Chain<ImuBoard>::check(params).field, "attitude");
+    params.attitude = {};
+    params.calibration.mag.matrix.z.y = nan_f;
+    EXPECT_STREQ(Chain<ImuBoard>::check(params).field, "calibration");
+    const auto chain = std::make_unique<Chain<ImuBoard>>(params);
+    EXPECT_EQ(chain->push(sample_at(0, flag::gyro_valid | flag::accel_valid)).status,
+              Status::bad_argument);
+}
+
 TEST(Pipeline, TheEdgesOfTheRangesAreGood) {
     Chain<PoseBoard>::Params params;
     params.sample_period_ns = 125'000;
@@ -417,8 +430,8 @@ TEST(Pipeline, VectorsTakeTheSameWay) {
 TEST(Pipeline, NoticesTheEndOfARangeBeforeCalibrationMovesIt) {
     Chain<ImuBoard>::Params params;
     params.sample_period_ns = 4 * ms;
-    params.attitude.gyro_max_rad_s = 4;
-    params.attitude.accel_max_m_s2 = 40;
+    params.attitude.gyro_full_scale_rad_s = 4;
+    params.attitude.accel_full_scale_m_s2 = 40;
     params.calibration.gyro.matrix = {{0.9f, 0, 0}, {0, 0.9f, 0}, {0, 0, 0.9f}};
     params.calibration.q_bs = from_rotation_vector(Vec3{0.5f, 0.4f, 0.3f});
     const auto chain = std::make_unique<Chain<ImuBoard>>(params);

@@ -39,16 +39,24 @@ class Front<Imu<mode>> {
     static constexpr flag::Bits takes = flag::gyro_valid |
                                         (mode == AttitudeMode::gyro ? 0u : +flag::accel_valid) |
                                         (mode == AttitudeMode::imu_mag ? +flag::mag_valid : 0u);
-    static constexpr Check check(const Params&) noexcept { return {}; }
+    static constexpr Check check(const Params& params) noexcept {
+        const Calibration& c = params.calibration;
+        if (!finite(c.gyro) || !finite(c.accel) || !finite(c.mag) || !is_finite(c.q_bs))
+            return {Status::bad_argument, "calibration"};
+        if (fairlead::check(params.attitude) != Status::ok)
+            return {Status::bad_argument, "attitude"};
+        return {};
+    }
 
     explicit Front(const Params& params) noexcept
         : calibrate_{params.calibration},
           attitude_{without_ranges(params.attitude)},
-          gyro_max_rad_s_{params.attitude.gyro_max_rad_s},
-          accel_max_m_s2_{params.attitude.accel_max_m_s2} {}
+          gyro_full_scale_rad_s_{params.attitude.gyro_full_scale_rad_s},
+          accel_full_scale_m_s2_{params.attitude.accel_full_scale_m_s2} {}
 
     std::optional<Pose> push(const Sample& sample) noexcept {
-        return attitude_.push(calibrate_(mark_clipped(sample, gyro_max_rad_s_, accel_max_m_s2_)));
+        return attitude_.push(
+            calibrate_(mark_clipped(sample, gyro_full_scale_rad_s_, accel_full_scale_m_s2_)));
     }
     void reset() noexcept { attitude_.reset(); }
 
@@ -56,15 +64,19 @@ class Front<Imu<mode>> {
     const Attitude& attitude() const noexcept { return attitude_; }
 
   private:
+    static constexpr bool finite(const Affine& a) noexcept {
+        return is_finite(a.offset) && is_finite(a.matrix.x) && is_finite(a.matrix.y) &&
+               is_finite(a.matrix.z);
+    }
     /// Ranges are those of the raw readings: calibration and mounting would move them.
     static AttitudeParams without_ranges(AttitudeParams params) noexcept {
-        params.gyro_max_rad_s = params.accel_max_m_s2 = 0;
+        params.gyro_full_scale_rad_s = params.accel_full_scale_m_s2 = 0;
         return params;
     }
 
     Calibrator calibrate_;
     Attitude attitude_;
-    float gyro_max_rad_s_, accel_max_m_s2_;
+    float gyro_full_scale_rad_s_, accel_full_scale_m_s2_;
 };
 
 }  // namespace detail

@@ -114,10 +114,12 @@ struct StreamParams {
     static constexpr void each(Params& p, Visit&& visit) noexcept {
         visit("sample_period_ns", p.sample_period_ns, std::int64_t{0}, sample_period_max_ns);
         p.tolerance.each(visit);
-        visit("delay_records", p.delay_records, 16u, static_cast<std::uint32_t>(DelayMax));
+        visit("delay_records", p.delay_records, std::uint32_t{16},
+              static_cast<std::uint32_t>(DelayMax));
         visit("restart_interval_ns", p.restart_interval_ns, std::int64_t{0}, never_ns);
         visit("header_interval_ns", p.header_interval_ns, std::int64_t{1'000'000'000}, never_ns);
-        visit("event_delay_records", p.event_delay_records, 0u, 1000000u);
+        visit("event_delay_records", p.event_delay_records, std::uint32_t{0},
+              std::uint32_t{1000000});
     }
 };
 

@@ -75,7 +75,7 @@ class Reducer {
         grid_ = grid;
         std::apply([](auto&... c) { (c.reset(), ...); }, channels_);
         waiting_ = behind_ = 0;
-        column_ = 0;
+        column_ = due_ = 0;
         started_ = pending_ = false;
     }
 
@@ -103,7 +103,9 @@ class Reducer {
         }
         ++waiting_;
         ++behind_;
-        if (committed || column <= column_) column = -1;
+        const bool due = column > due_;
+        if (due) due_ = column;
+        if (committed || !due) column = -1;
         const bool nearly = cost() + full_soon > window_.cost_max;
         const bool end = column >= 0 && (waiting_ >= window_.records || stalled() || nearly);
         bool starts = false;
@@ -226,7 +228,7 @@ class Reducer {
     }
     void restart_grid(std::int64_t t_ns) noexcept {
         start_ = grid_.subs(t_ns);
-        column_ = 0;
+        column_ = due_ = 0;
         waiting_ = behind_ = 0;
         started_ = true;
     }
@@ -249,7 +251,7 @@ class Reducer {
         pending_ = true;
         ++counts_.frames;
         start_ += std::int64_t{tick} * curve::subs_per_tick;
-        column_ = 0;
+        column_ = due_ = 0;
         waiting_ = behind_;
         started_ = any;
         return true;
@@ -262,6 +264,7 @@ class Reducer {
     Counts counts_{};
     std::int64_t start_{0};
     std::int32_t column_{0};   // of the newest column in the frame
+    std::int32_t due_{0};      // of the newest one that was due: samples may lie behind it
     std::int32_t waiting_{0};  // records since the oldest that is not committed
     std::int32_t behind_{0};   // the part of them that is behind the newest column
     bool started_{false}, pending_{false};

@@ -124,7 +124,6 @@ class RotationSearch {
         record();
         for (std::size_t i = 0; i < column_count_; ++i) open_child(column_[i], tick, index_, i);
         best_ = column_[0].cost;
-        per_tick_ = tick > 0 ? static_cast<std::int32_t>(best_) * 8 / tick : 0;
     }
     void record() noexcept {
         for (std::size_t i = 0; i < column_count_; ++i)
@@ -497,15 +496,11 @@ class RotationSearch {
     }
 
     void open_child(const Child& c, std::int32_t tick, std::size_t index, std::size_t slot) noexcept {
-        if (open_count_ == open_max) {  // the dearest goes, its age counted at the present rate
+        if (open_count_ == open_max) {  // the dearest goes; a column's best always finds room
             std::size_t dearest = 0;
-            std::int32_t most = -1;
-            for (std::size_t i = 0; i < open_count_; ++i) {
-                const std::int32_t all =
-                    std::int32_t{open_[i].cost} * 8 + (tick - open_[i].tick) * per_tick_;
-                if (all > most) most = all, dearest = i;
-            }
-            if (slot > 0 && most <= std::int32_t{c.cost} * 8) return;
+            for (std::size_t i = 1; i < open_count_; ++i)
+                if (open_[i].cost > open_[dearest].cost) dearest = i;
+            if (slot > 0 && open_[dearest].cost <= c.cost) return;
             for (std::size_t i = dearest + 1; i < open_count_; ++i) open_[i - 1] = open_[i];
             --open_count_;
         }
@@ -541,7 +536,6 @@ class RotationSearch {
     Cost best_{0};
     float radius_{};
     std::size_t open_count_{0}, column_count_{0};
-    std::int32_t per_tick_{0};
     int work_{0};
     std::uint8_t index_{0}, before_index_{0};
     bool fresh_{true};

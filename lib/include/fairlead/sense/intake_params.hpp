@@ -25,7 +25,7 @@ struct IntakeParams {
         constexpr float any = 3e38f;
         visit("gap_ns", p.gap_ns, std::int64_t{0}, longest);
         visit("leap_ns", p.leap_ns, std::int64_t{1}, longest);
-        visit("stuck_records", p.stuck_records, 0u, ~0u);
+        visit("stuck_records", p.stuck_records, std::uint32_t{0}, ~std::uint32_t{0});
         visit("position_max_m", p.position_max_m, 0.0f, any);
         visit("value_max", p.value_max, 0.0f, any);
         visit("gyro_max_rad_s", p.gyro_max_rad_s, 1e-3f, 1e6f);

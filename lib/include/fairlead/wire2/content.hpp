@@ -5,7 +5,8 @@
 //
 //   for each channel   [independent: live at the start? values and slopes there]  live at the end?
 //                      [restart: values at the end]
-//   for each channel   [it ends early: its last tick] [it starts: first tick, values]
+//   for each channel   [its curve ended with the frame before?] [it ends early: its last tick]
+//                      [it starts: first tick, values]
 //   for each channel, for each axis   pieces until the channel's end
 //
 // docs/stream.md, Content.
@@ -28,6 +29,12 @@ struct TrackRange {
     std::uint8_t kind{0};
 };
 
+/// The step of a scale as a float, exact, without double arithmetic.
+inline float step_of(const curve::Scale& scale) noexcept {
+    const auto exponent = static_cast<std::uint32_t>(scale.e + 127) << 23;
+    return static_cast<float>(scale.m) * approx::detail::bit_cast<float>(exponent);
+}
+
 /// The channels of a stream, as a coder of at most Axes axes and Rotations rotations holds them.
 template <std::size_t Axes, std::size_t Rotations>
 struct Tracks {
@@ -38,9 +45,7 @@ struct Tracks {
     std::array<curve::Scale, Axes> scale{};
     std::array<curve::Scale, Rotations> turn{};
 
-    float step(std::size_t rotation) const noexcept {
-        return static_cast<float>(turn[rotation].step());
-    }
+    float step(std::size_t rotation) const noexcept { return step_of(turn[rotation]); }
 };
 
 /// Where the curves are: all that the next frame's content depends on.
@@ -57,6 +62,7 @@ struct ChannelFrame {
     bool goes_on{false};  // its curve is live at the end of the frame
     bool starts{false};   // its curve starts in the frame
     bool present{false};  // part of the frame belongs to a curve
+    bool over{false};     // the curve that was live ended with the frame before
     std::uint8_t start_tick{0}, end_tick{0};
 };
 
@@ -233,14 +239,11 @@ class Content {
             states.live = static_cast<std::uint8_t>(states.live | bit);
             for (std::size_t i = 0; i < range.count; ++i) {
                 const std::size_t t = range.first + i;
-                if (!range.rotates) {
+                if (turns(range)) {
+                    if constexpr (Rotations > 0) hand_over(states.rotation[t], layout.step(t));
+                } else if constexpr (Axes > 0) {
                     if (restart_ || independent_) states.axis[t].forget(restart_);
-                    continue;
                 }
-                if (!restart_ && !independent_)
-                    curve::rebase(states.rotation[t], layout.step(t));
-                else
-                    states.rotation[t].chart.forget(restart_);
             }
         }
     }
@@ -254,10 +257,12 @@ class Content {
             const TrackRange& range = layout.channel[c];
             for (std::size_t i = 0; i < range.count; ++i) {
                 const std::size_t t = range.first + i;
-                if (range.rotates)
-                    states.rotation[t].anchor = curve::from_grid(told_grid[t], layout.step(t));
-                else
+                if (turns(range)) {
+                    if constexpr (Rotations > 0)
+                        states.rotation[t].anchor = curve::from_grid(told_grid[t], layout.step(t));
+                } else if constexpr (Axes > 0) {
                     states.axis[t].v[0] = told[t];
+                }
             }
         }
         states.hidden = states.live;
@@ -269,6 +274,16 @@ class Content {
     }
 
   private:
+    /// range.rotates, known when compiled where only one sort of tracks exists.
+    static constexpr bool turns(const TrackRange& range) noexcept {
+        return Rotations > 0 && (Axes == 0 || range.rotates);
+    }
+    void hand_over(curve::RotationState& state, float step) const noexcept {
+        if (!restart_ && !independent_)
+            curve::rebase(state, step);
+        else
+            state.chart.forget(restart_);
+    }
     code::End end_of() const noexcept {
         return ends_told(place_.channel, rotates_) ? code::End::told : code::End::coded;
     }
@@ -280,9 +295,10 @@ class Content {
         ChannelFrame& frame = channel[c];
         bool live = (states.live & bit) != 0;
         if (independent_) {
-            bool lives = live;
+            bool lives = live && !frame.over;
             io.flag(lives, 15, 4);
-            if (reading == Reading::in_step && lives != live) return false;
+            if (reading == Reading::in_step && lives && !live) return false;
+            if (!Io::writes) frame.over = reading == Reading::in_step && live && !lives;
             live = lives;
             if (live && !start_told(io, layout, states, range, reading)) return false;
             if (reading == Reading::lone)
@@ -294,43 +310,53 @@ class Content {
         bool as_usual = frame.goes_on == usual;
         io.flag(as_usual, 15, 4);
         frame.goes_on = as_usual == usual;
-        if (!frame.goes_on || !(restart_ || (independent_ && range.rotates))) return true;
-        if (!range.rotates) return detail::code_values(io, &told[range.first], range.count);
-        return detail::code_grid(io, told_grid[range.first], layout.step(range.first));
+        if (!ends_told(c, turns(range))) return true;
+        if (turns(range)) {
+            if constexpr (Rotations > 0)
+                return detail::code_grid(io, told_grid[range.first], layout.step(range.first));
+        } else if constexpr (Axes > 0) {
+            return detail::code_values(io, &told[range.first], range.count);
+        }
+        return false;
     }
     /// An independent frame tells the values and slopes at its start.
     bool start_told(Io& io, const Layout& layout, States& states, const TrackRange& range,
                     Reading reading) noexcept {
         const bool known = reading == Reading::in_step;
-        if (!range.rotates) {
-            std::array<std::int32_t, Axes> v{}, s{};
-            for (std::size_t i = 0; i < range.count; ++i) {
-                v[i] = states.axis[range.first + i].v[0];
-                s[i] = states.axis[range.first + i].s[0];
-            }
-            if (!detail::code_values(io, v.data(), range.count) ||
-                !detail::code_values(io, s.data(), range.count))
-                return false;
-            for (std::size_t i = 0; i < range.count; ++i) {
-                curve::State<1>& axis = states.axis[range.first + i];
-                if (known && (axis.v[0] != v[i] || axis.s[0] != s[i])) return false;
-                if (!known) axis.forget(false);
-                axis.v[0] = v[i];
-                axis.s[0] = s[i];
-                if (out_of_bounds(v[i], s[i])) return false;
-            }
-            return true;
+        if (turns(range)) {
+            if constexpr (Rotations > 0)
+                return start_rotation(io, states.rotation[range.first], first_grid[range.first],
+                                      layout.step(range.first), known);
+        } else if constexpr (Axes > 0) {
+            return start_vector(io, &states.axis[range.first], range.count, known);
         }
-        curve::RotationState& state = states.rotation[range.first];
-        const float step = layout.step(range.first);
-        curve::GridQuat& grid = first_grid[range.first];
-        if (!detail::code_grid(io, grid, step)) return false;
+        return false;
+    }
+    bool start_vector(Io& io, curve::State<1>* axes, std::size_t n, bool known) noexcept {
+        std::array<std::int32_t, Axes> v{}, s{};
+        for (std::size_t i = 0; i < n; ++i) {
+            v[i] = axes[i].v[0];
+            s[i] = axes[i].s[0];
+        }
+        if (!detail::code_values(io, v.data(), n) || !detail::code_values(io, s.data(), n))
+            return false;
+        for (std::size_t i = 0; i < n; ++i) {
+            if (out_of_bounds(v[i], s[i])) return false;
+            if (known && (axes[i].v[0] != v[i] || axes[i].s[0] != s[i])) return false;
+            if (!known) axes[i].forget(false);
+            axes[i].v[0] = v[i];
+            axes[i].s[0] = s[i];
+        }
+        return true;
+    }
+    static bool start_rotation(Io& io, curve::RotationState& state, curve::GridQuat& grid,
+                               float step, bool known) noexcept {
         std::array<std::int32_t, 3> s = state.chart.s;
-        if (!detail::code_values(io, s.data(), 3)) return false;
-        if (known && (s != state.chart.s || !stands_on(state, grid, step))) return false;
+        if (!detail::code_grid(io, grid, step) || !detail::code_values(io, s.data(), 3))
+            return false;
         for (const std::int32_t one : s)
             if (out_of_bounds(0, one)) return false;
-        if (known) return true;
+        if (known) return s == state.chart.s && stands_on(state, grid, step);
         state.anchor = curve::from_grid(grid, step);
         state.chart = {};
         state.chart.forget(false);
@@ -346,7 +372,9 @@ class Content {
                     std::uint32_t ticks) noexcept {
         const TrackRange& range = layout.channel[c];
         ChannelFrame& frame = channel[c];
-        const bool live = (states.live >> c & 1u) != 0;
+        bool live = (states.live >> c & 1u) != 0;
+        if (live && !independent_) io.flag(frame.over, 1, 5);
+        live = live && !frame.over;
         if (!live && !frame.goes_on) {  // rarely a curve that starts and ends in the frame
             io.flag(frame.present, 1, 4);
             if (!frame.present) return true;
@@ -366,13 +394,16 @@ class Content {
     /// Without a piece the curve is already where the frame tells that it ends.
     bool ends_as_told(const Layout& layout, const States& states, std::size_t c) const noexcept {
         const TrackRange& range = layout.channel[c];
-        if (!restart_ && !(independent_ && range.rotates)) return true;
-        if (range.rotates)
-            return stands_on(states.rotation[range.first], told_grid[range.first],
-                             layout.step(range.first));
+        if (!ends_told(c, turns(range))) return true;
         bool good = true;
-        for (std::size_t i = 0; i < range.count; ++i)
-            good = good && states.axis[range.first + i].v[0] == told[range.first + i];
+        if (turns(range)) {
+            if constexpr (Rotations > 0)
+                good = stands_on(states.rotation[range.first], told_grid[range.first],
+                                 layout.step(range.first));
+        } else if constexpr (Axes > 0) {
+            for (std::size_t i = 0; i < range.count; ++i)
+                good = good && states.axis[range.first + i].v[0] == told[range.first + i];
+        }
         return good;
     }
     static bool stands_on(const curve::RotationState& state, const curve::GridQuat& grid,
@@ -385,22 +416,24 @@ class Content {
     /// The first vertex of a curve. An encoder has set it as the state.
     bool start_curve(Io& io, const Layout& layout, States& states,
                      const TrackRange& range) noexcept {
-        if (range.rotates) {
-            curve::RotationState& state = states.rotation[range.first];
-            const float step = layout.step(range.first);
-            curve::GridQuat& grid = first_grid[range.first];
-            if (!detail::code_grid(io, grid, step)) return false;
-            state.chart = {};
-            state.anchor = curve::from_grid(grid, step);
-            return true;
-        }
-        std::array<std::int32_t, Axes> v{};
-        for (std::size_t i = 0; i < range.count; ++i) v[i] = states.axis[range.first + i].v[0];
-        if (!detail::code_values(io, v.data(), range.count)) return false;
-        for (std::size_t i = 0; i < range.count; ++i) {
-            if (out_of_bounds(v[i], 0)) return false;
-            states.axis[range.first + i] = {};
-            states.axis[range.first + i].v[0] = v[i];
+        if (turns(range)) {
+            if constexpr (Rotations > 0) {
+                curve::RotationState& state = states.rotation[range.first];
+                const float step = layout.step(range.first);
+                curve::GridQuat& grid = first_grid[range.first];
+                if (!detail::code_grid(io, grid, step)) return false;
+                state.chart = {};
+                state.anchor = curve::from_grid(grid, step);
+            }
+        } else if constexpr (Axes > 0) {
+            std::array<std::int32_t, Axes> v{};
+            for (std::size_t i = 0; i < range.count; ++i) v[i] = states.axis[range.first + i].v[0];
+            if (!detail::code_values(io, v.data(), range.count)) return false;
+            for (std::size_t i = 0; i < range.count; ++i) {
+                if (out_of_bounds(v[i], 0)) return false;
+                states.axis[range.first + i] = {};
+                states.axis[range.first + i].v[0] = v[i];
+            }
         }
         return true;
     }
@@ -410,7 +443,7 @@ class Content {
         for (; place_.channel < layout.channels; ++place_.channel, place_.track = 0) {
             const ChannelFrame& frame = channel[place_.channel];
             const TrackRange& range = layout.channel[place_.channel];
-            rotates_ = range.rotates;
+            rotates_ = turns(range);
             place_.left = (frame.end_tick - frame.start_tick) * static_cast<int>(sub_per_tick);
             if (frame.present && place_.left > 0 && place_.track < range.count) return;
         }

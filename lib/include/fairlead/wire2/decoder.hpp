@@ -37,7 +37,7 @@ struct CurvePiece {
     std::uint8_t code{0};             // curve/lengths.hpp
     std::int64_t start{0}, end{0};    // sub-ticks since the run's base; Grid::time_ns() gives ns
     std::array<std::int32_t, 3> v{};  // lattice steps at the start
-    std::array<std::int32_t, 3> s{};  // slope there, 1/960 step a tick
+    std::array<std::int32_t, 3> s{};  // slope there, 1/960 step a tick; of a jump: its size, steps
     std::array<float, 3> rise{};      // steps from start to end
     Quat anchor{};                    // of a rotation
     curve::Scale scale{};             // of the lattice: value = steps * scale.step()
@@ -47,6 +47,8 @@ struct CurvePiece {
     /// start up to its end, the first one of a curve also at its start.
     template <class Real>
     Real steps_at(Real ticks, std::size_t c = 0) const noexcept {
+        // a curve that begins with a jump has its first value at its start alone
+        if (jumps && begins && !(ticks > 0)) return static_cast<Real>(v[c] - s[c]);
         return static_cast<Real>(v[c]) + polynomial<Real>(c).rise(ticks);
     }
     /// Steps a tick, and steps a tick^2.
@@ -234,8 +236,7 @@ class Decoder {
                 const Step_ step = channel.step[i];
                 good = curve::Scale::valid(step.mantissa, step.exponent);
                 // the grid of rotations counts in 16 bits
-                if (rotates)
-                    good = good && curve::Scale{step.mantissa, step.exponent}.step() >= 1e-4;
+                if (rotates) good = good && step_of({step.mantissa, step.exponent}) >= 1e-4f;
             }
         }
         return good && axes <= Axes && rotations <= Rotations;
@@ -255,10 +256,11 @@ class Decoder {
             tolerance_[c] = channel.tolerance;
             for (std::size_t i = 0; i < range.count; ++i) {
                 const curve::Scale scale{channel.step[i].mantissa, channel.step[i].exponent};
-                if (rotates)
-                    layout_.turn[rotations++] = scale;
-                else
+                if (rotates) {
+                    if constexpr (Rotations > 0) layout_.turn[rotations++] = scale;
+                } else if constexpr (Axes > 0) {
                     layout_.scale[axes++] = scale;
+                }
             }
         }
     }
@@ -341,13 +343,15 @@ class Decoder {
         piece.axis = static_cast<std::uint8_t>(track);
         piece.rotates = range.rotates;
         if (range.rotates) {
-            const curve::RotationState& state = walk_.rotation[range.first];
-            piece.v = state.chart.v;
-            piece.s = state.chart.s;
-            piece.fresh = state.chart.fresh;
-            piece.anchor = state.anchor;
-            piece.scale = layout_.turn[range.first];
-        } else {
+            if constexpr (Rotations > 0) {
+                const curve::RotationState& state = walk_.rotation[range.first];
+                piece.v = state.chart.v;
+                piece.s = state.chart.s;
+                piece.fresh = state.chart.fresh;
+                piece.anchor = state.anchor;
+                piece.scale = layout_.turn[range.first];
+            }
+        } else if constexpr (Axes > 0) {
             const curve::State<1>& state = walk_.axis[range.first + track];
             piece.v[0] = state.v[0];
             piece.s[0] = state.s[0];
@@ -356,20 +360,29 @@ class Decoder {
         }
     }
     /// Curves of a single vertex, and those that ended with the frame before, have no piece here:
-    /// told as pieces without duration.
+    /// told as pieces without duration; of the latter only that they ended.
     bool point(CurvePiece& piece) noexcept {
-        while (point_ < Axes + Rotations) {
-            std::size_t channel = 0, track = point_++;
+        constexpr std::size_t tracks = Axes + Rotations;
+        while (point_ < 2 * tracks) {  // first the curves that ended, then those of this frame
+            const bool over = point_ < tracks;
+            std::size_t channel = 0, track = point_++ % tracks;
             while (channel < layout_.channels && track >= layout_.channel[channel].count)
                 track -= layout_.channel[channel++].count;
-            if (channel >= layout_.channels) break;
+            if (channel >= layout_.channels) continue;
             const ChannelFrame& frame = content_.channel[channel];
-            if (!frame.present || frame.goes_on || frame.start_tick != frame.end_tick) continue;
-            describe(piece, channel, track);
+            const bool lone =
+                !over && frame.present && !frame.goes_on && frame.start_tick == frame.end_tick;
+            if (!lone && !(over && frame.over)) continue;
+            piece = {};
+            if (lone) describe(piece, channel, track);
+            piece.channel = static_cast<std::uint8_t>(channel);
+            piece.axis = static_cast<std::uint8_t>(track);
+            piece.rotates = layout_.channel[channel].rotates;
             piece.code = curve::code::jump;
-            piece.begins = take_pending(channel, track);
+            piece.begins = lone && take_pending(channel, track);
             piece.ends = true;
-            piece.start = piece.end = head_.start + frame.start_tick * sub_per_tick;
+            piece.start = head_.start + (lone ? frame.start_tick * sub_per_tick : 0);
+            piece.end = piece.start;
             return true;
         }
         step_ = Step::pieces;
@@ -393,10 +406,12 @@ class Decoder {
             content_.piece(io_, layout_, walk_, next);
             finish_piece(piece, next.code, next.subs);
             const std::int32_t rise = walk_.axis[a].v[0] - piece.v[0];
-            if (piece.jumps)
+            if (piece.jumps) {
+                piece.s[0] = next.k[0];
                 piece.v[0] = walk_.axis[a].v[0];
-            else
+            } else {
                 piece.rise[0] = static_cast<float>(rise);
+            }
         }
         if (piece.jumps) ++counters_.breaks;
         hidden = hidden && !piece.jumps;
@@ -438,6 +453,7 @@ class Decoder {
                                         static_cast<float>(after.chart.v[1]),
                                         static_cast<float>(after.chart.v[2])};
         if (piece.jumps) {  // the value holds after the jump, until the piece ends
+            piece.s = next.k;
             for (std::size_t c = 0; c < 3; ++c) piece.v[c] += next.k[c];
             return true;
         }

@@ -59,6 +59,7 @@ class Encoder {
 
   public:
     static constexpr std::size_t channel_count = sizeof...(Channels);
+    static constexpr std::uint32_t records_max = Records;
     static constexpr std::size_t axes = (0 + ... + Channels::axes);
     static constexpr std::size_t rotations = (0 + ... + Channels::rotations);
     using Kind = typename std::tuple_element_t<0, std::tuple<Channels...>>::Kind;
@@ -290,7 +291,7 @@ class Encoder {
         FrameHead head;
         head.start = frame.start_subs;
         head.end = frame.start_subs + std::int64_t{frame.ticks} * sub_per_tick;
-        head.restart = frame.seam != reduce2::Seam::carry;
+        head.restart = frame.seam != reduce2::Seam::carry && frame.ticks > 0;
         coded_ = writer_.open(head);
         coding_ = true;
         waited_ = 0;
@@ -306,6 +307,13 @@ class Encoder {
             frame.present = s.present;
             frame.starts = s.present && s.starts;
             frame.goes_on = s.present && !s.ends;
+            const bool live = (writer_.states.live >> i & 1u) != 0;
+            if (live && !s.present &&
+                ticks == 0) {  // a frame for a single sample of another channel
+                frame.present = frame.goes_on = true;
+            } else {
+                frame.over = live && (!s.present || s.starts);
+            }
             frame.start_tick = static_cast<std::uint8_t>(s.start_tick);
             frame.end_tick = static_cast<std::uint8_t>(s.present && s.ends ? s.end_tick : ticks);
             if constexpr (Tag::rotations > 0) {

@@ -99,25 +99,24 @@ template <class Io>
 constexpr bool code_head(Io& io, FrameHead& head, const FrameTiming& timing, std::int64_t before,
                          bool joining = false) noexcept {
     auto ticks = static_cast<std::uint32_t>((head.end - head.start) / sub_per_tick);
-    if (timing.independent) {
+    if (timing.independent)
         head.restart = true;
-        detail::code_time(io, head.start, timing.time_bits, before);
-        if (!Io::writes && !joining && head.start < before) return false;
-    } else {
+    else
         io.flag(head.restart, 1, 2);
-        if (joining && !head.restart) return false;
-        std::int64_t jump = head.start - before;
-        if (!detail::code_jump(io, jump)) return false;
-        if (!Io::writes) head.start = before + jump;
-    }
+    if (joining && !head.restart) return false;
+    std::int64_t jump = head.start - before;
+    if (!detail::code_jump(io, jump)) return false;
+    if (!Io::writes) head.start = before + jump;
     if (!detail::code_ticks(io, ticks, timing.usual_ticks) || ticks > frame_ticks_max) return false;
     const std::int64_t length = ticks * sub_per_tick;
     if (!Io::writes) head.end = head.start + length;
-    if (head.restart && !timing.independent) {
-        std::int64_t end = head.end;
-        detail::code_time(io, end, timing.time_bits, joining ? before : head.end);
-        if (!Io::writes && !joining && end != head.end) return false;
-        if (!Io::writes) head = {end - length, end, true};
+    if (head.restart) {  // an independent frame tells its start, a restart frame its end
+        const std::int64_t known = timing.independent ? head.start : head.end;
+        std::int64_t told = known;
+        detail::code_time(io, told, timing.time_bits, joining ? before : known);
+        if (!Io::writes && !joining && told != known) return false;
+        if (!Io::writes && timing.independent) head = {told, told + length, true};
+        if (!Io::writes && !timing.independent) head = {told - length, told, true};
     }
     return io.ok() && head.end < run_max && head.start > -run_max;
 }

@@ -1,0 +1,771 @@
+// The stream of docs/stream.md in JavaScript, for the report and the live page. Float arithmetic is
+// rounded by Math.fround after every operation, so that all numbers are those of the library, bit
+// for bit (tests/sim/test_stream.py). Without imports; works in a browser and in node.
+//
+//   const decoder = new StreamDecoder(tables, {piece(p) {...}, event(e) {...}, run(r) {...}});
+//   decoder.feed(bytes);      // Uint8Array, any part of a stream
+//
+// tables: the content of docs/stream_tables.json. A piece tells channel, axis, start and end
+// (sub-ticks since the run's base), code, fresh, v, s, rise, anchor, step (StreamDecoder.value).
+"use strict";
+
+const STREAM_VERSION = 4;
+const LENGTHS = [1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 120];
+const TO_END = 16, JUMP = 17, REBASE = 18, LINE = 19;
+const POWERS = [32768, 31379, 30049, 28775, 27555, 26386, 25268, 24196, 23171, 22188, 21248, 20347,
+                19484, 18658, 17867, 17109];
+
+class Nonsense extends Error {}
+
+// ---- checks
+
+const CRC32 = Uint32Array.from({length: 256}, (_, i) => {
+    for (let k = 0; k < 8; ++k) i = i & 1 ? 0xedb88320 ^ (i >>> 1) : i >>> 1;
+    return i >>> 0;
+});
+function crc32(bytes, seed = 0) {
+    let c = ~seed >>> 0;
+    for (const b of bytes) c = (CRC32[(c ^ b) & 255] ^ (c >>> 8)) >>> 0;
+    return ~c >>> 0;
+}
+function crc16(bytes, crc) {
+    for (const b of bytes) {
+        crc ^= b << 8;
+        for (let k = 0; k < 8; ++k) crc = crc & 0x8000 ? ((crc << 1) ^ 0x1021) & 0xffff : crc << 1;
+    }
+    return crc;
+}
+function checkFits(frame, link) {
+    const key = new DataView(new ArrayBuffer(16));
+    key.setUint32(0, link.digest, true);
+    key.setBigInt64(4, BigInt(link.end), true);
+    key.setUint32(12, link.previous, true);
+    const seed = crc16(new Uint8Array(key.buffer), 0xffff), n = frame.length;
+    return crc16(frame.subarray(0, n - 2), seed) === (frame[n - 2] << 8 | frame[n - 1]);
+}
+function crcFits(frame, seed) {
+    const n = frame.length, told = new DataView(frame.buffer, frame.byteOffset + n - 4, 4);
+    return crc32(frame.subarray(0, n - 4), seed) === told.getUint32(0, true);
+}
+/// Size of the frame that would begin at `at`; 0: none does; -1: not known yet.
+function frameSize(data, at) {
+    const first = data[at];
+    if (first >= 1 && first <= 247) return first + 3;
+    if (first !== 0xf8 && first !== 0xf9) return 0;
+    if (at + 1 >= data.length) return -1;
+    return data[at + 1] > 0 && data[at + 1] <= 244 ? data[at + 1] + 6 : 0;
+}
+
+// ---- range coder
+
+class RangeReader {
+    constructor(data) {
+        this.data = data;
+        this.at = 0;
+        this.range = 0xffffffff;
+        this.code = 0;
+        for (let i = 0; i < 4; ++i) this.code = (this.code * 256 + this.byte(this.at++)) >>> 0;
+    }
+    byte(i) { return i < this.data.length ? this.data[i] : 0; }
+    peek(bits) {
+        return Math.min(Math.floor(this.code / (this.range >>> bits)), 2 ** bits - 1);
+    }
+    take(cum, freq, bits) {
+        const unit = this.range >>> bits;
+        this.code = (this.code - unit * cum) >>> 0;
+        this.range = unit * freq;
+        while (this.range < 1 << 24) {
+            this.code = ((this.code << 8) | this.byte(this.at++)) >>> 0;
+            this.range = (this.range << 8) >>> 0;
+        }
+    }
+    finished() {
+        let window = 0, size = this.at - 4;
+        for (let i = this.at - 4; i < this.at; ++i) window = ((window << 8) | this.byte(i)) >>> 0;
+        const low = (window - this.code) >>> 0;
+        let shortest = 0;
+        for (const mask of [0xffffffff, 0xffffff, 0xffff, 0xff]) {
+            const step = (-low & mask) >>> 0;
+            if (step < this.range) { shortest = step; break; }
+        }
+        for (let rest = window; rest !== 0; rest = (rest << 8) >>> 0) ++size;
+        return this.code === shortest && this.data.length === Math.max(1, size);
+    }
+    symbol(row) {
+        const place = this.peek(15);
+        let cum = 0;
+        for (let s = 0; s < row.length; ++s) {
+            if (place < cum + row[s]) {
+                this.take(cum, row[s], 15);
+                return s;
+            }
+            cum += row[s];
+        }
+        throw new Nonsense("symbol");
+    }
+    raw(n) {
+        let v = 0;
+        while (n > 0) {
+            const part = Math.min(n, 12), some = this.peek(part);
+            n -= part;
+            this.take(some, 1, part);
+            v = v * 2 ** part + some;
+        }
+        return v;
+    }
+    flag(ones, bits) {
+        const zeros = 2 ** bits - ones, v = this.peek(bits) >= zeros;
+        this.take(v ? zeros : 0, v ? ones : zeros, bits);
+        return v;
+    }
+    half() { return this.flag(1, 1); }
+    golomb(k) {
+        let m = 0;
+        while (this.half())
+            if (++m + k > 32) throw new Nonsense("golomb");
+        const v = 2 ** (m + k) + this.raw(m + k) - 2 ** k;
+        if (v >= 2 ** 32) throw new Nonsense("golomb");
+        return v;
+    }
+    values(n) {
+        const width = this.raw(5);
+        return Array.from({length: n}, () => {
+            const size = this.raw(width);
+            return size > 0 && this.half() ? -size : size;
+        });
+    }
+    uniform(n) {
+        const highs = n <= 4096 ? n : Math.ceil(n / 256), width = Math.floor(32768 / highs);
+        let v = Math.floor(this.peek(15) / width);
+        if (v >= highs) throw new Nonsense("uniform");
+        this.take(v * width, width, 15);
+        if (n > 4096) v = v * 256 + this.raw(8);
+        if (v >= n) throw new Nonsense("uniform");
+        return v;
+    }
+    grid(step) {
+        const most = gridSize(step);
+        return {largest: this.raw(2), n: [0, 0, 0].map(() => this.uniform(2 * most + 1) - most)};
+    }
+    /// A BigInt.
+    sized(bits, most) {
+        const width = this.raw(bits);
+        if (width > most) throw new Nonsense("sized");
+        if (width === 0) return 0n;
+        const first = 1n << BigInt(width - 1);
+        if (width - 1 <= 32) return first | BigInt(this.raw(width - 1));
+        const high = BigInt(this.raw(width - 33));
+        return first | high << 32n | BigInt(this.raw(32));
+    }
+}
+
+// ---- single precision
+
+const f = Math.fround;
+const add = (a, b) => f(a + b), sub = (a, b) => f(a - b), mul = (a, b) => f(a * b);
+const div = (a, b) => f(a / b), root = (a) => f(Math.sqrt(a));
+
+function poly(z, c) {
+    let x = f(c[c.length - 1]);
+    for (let i = c.length - 2; i >= 0; --i) x = add(mul(x, z), f(c[i]));
+    return x;
+}
+function sinCos(x) {
+    if (!(Math.abs(x) <= 2 ** 20)) x = 0;
+    const q = sub(add(mul(x, f(0.636619747)), 12582912), 12582912);
+    let r = sub(x, mul(q, f(1.5703125)));
+    r = sub(r, mul(q, f(4.8375129699707031e-4)));
+    r = sub(r, mul(q, f(7.549789954891e-8)));
+    const z = mul(r, r);
+    const s = add(r, mul(mul(r, z), poly(z, [-0.1666666466, 0.008332748271, -0.0001958789088])));
+    const half = div(z, 2), one = sub(1, half);
+    const tail = mul(mul(z, z), poly(z, [0.04166666466, -0.001388830304, 2.454794209e-5]));
+    const c = add(one, add(sub(sub(1, one), half), tail));
+    return [[s, c], [c, -s], [-s, -c], [-c, s]][((q % 4) + 4) % 4];
+}
+const EIGHTHS = [0, 0.785398185, 1.57079637, 2.3561945, 3.14159274].map(f);
+const RESTS = [0, -2.18556941e-8, -4.37113883e-8, -5.96244032e-9, -8.74227766e-8].map(f);
+function atan2(y, x) {
+    const ax = Math.abs(x), steep = y > ax, lo = Math.min(ax, y), hi = Math.max(ax, y);
+    if (hi === 0) return 0;
+    const folded = lo > div(hi, 2);
+    const t = folded ? div(sub(lo, hi), add(lo, hi)) : div(lo, hi);
+    let i = folded ? 1 : 0, minus = false;
+    if (steep) { i = 2 - i; minus = !minus; }
+    if (x < 0) { i = 4 - i; minus = !minus; }
+    const z = mul(t, t), r = minus ? -t : t;
+    const p = poly(z, [-0.333333329, 0.1999987525, -0.142798011, 0.1100688068, -0.08235505764,
+                       0.04225685963]);
+    return add(EIGHTHS[i], add(r, add(RESTS[i], mul(mul(r, z), p))));
+}
+const dot = (a, b) => a.reduce((sum, x, i) => i === 0 ? mul(x, b[0]) : add(sum, mul(x, b[i])), 0);
+const cross = (a, b) => [[1, 2], [2, 0], [0, 1]].map(([i, j]) => sub(mul(a[i], b[j]), mul(a[j], b[i])));
+function normalise(q) {
+    const n = dot(q, q);
+    if (!(n > 0)) return [1, 0, 0, 0];
+    const s = div(1, root(n));
+    return q.map((c) => mul(c, s));
+}
+function product(a, b) {
+    const [aw, ax, ay, az] = a, [bw, bx, by, bz] = b;
+    return [sub(sub(sub(mul(aw, bw), mul(ax, bx)), mul(ay, by)), mul(az, bz)),
+            sub(add(add(mul(aw, bx), mul(ax, bw)), mul(ay, bz)), mul(az, by)),
+            add(add(sub(mul(aw, by), mul(ax, bz)), mul(ay, bw)), mul(az, bx)),
+            add(sub(add(mul(aw, bz), mul(ax, by)), mul(ay, bx)), mul(az, bw))];
+}
+const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
+function rotation(r) {
+    const u = r.map((c) => mul(0.5, c)), n2 = dot(u, u);
+    let s, c;
+    if (n2 < f(1e-4)) {
+        s = add(1, mul(n2, add(f(-1 / 6), mul(n2, f(1 / 120)))));
+        c = add(1, mul(n2, add(-0.5, mul(n2, sub(f(1 / 24), mul(n2, f(1 / 720)))))));
+    } else {
+        const n = root(n2), sc = sinCos(n);
+        s = div(sc[0], n);
+        c = sc[1];
+    }
+    return [c, ...u.map((x) => mul(s, x))];
+}
+function vector(q) {
+    const sign = q[0] < 0 ? -1 : 1, u = q.slice(1).map((c) => mul(sign, c)), n2 = dot(u, u);
+    if (n2 < f(1e-30)) return u.map((c) => mul(2, c));
+    const n = root(n2), s = div(atan2(n, mul(sign, q[0])), n);
+    return u.map((c) => mul(2, mul(s, c)));
+}
+function bodyRate(theta, d) {
+    const n2 = dot(theta, theta);
+    let a, b;
+    if (n2 < f(1e-4)) {
+        a = sub(0.5, mul(n2, f(1 / 24)));
+        b = sub(f(1 / 6), mul(n2, f(1 / 120)));
+    } else {
+        const n = root(n2), [s, c] = sinCos(n);
+        a = div(sub(1, c), n2);
+        b = div(sub(n, s), mul(n2, n));
+    }
+    const once = cross(theta, d), twice = cross(theta, once);
+    return d.map((x, i) => add(sub(x, mul(a, once[i])), mul(b, twice[i])));
+}
+function nearestSlope(x) {
+    x = x < 0 ? sub(x, 0.5) : add(x, 0.5);
+    return Math.trunc(Math.max(-(2 ** 23), Math.min(2 ** 23, x))) + 0;
+}
+const gridStep = (step) => mul(step, f(0.333333343));
+const gridSize = (step) => Math.trunc(div(f(0.70710678), gridStep(step))) + 1;
+function fromGrid(grid, step) {
+    const g = gridStep(step), q = [0, 0, 0, 0], left = [...grid.n];
+    let rest = 1;
+    for (let i = 0; i < 4; ++i) {
+        if (i === grid.largest) continue;
+        q[i] = mul(f(left.shift()), g);
+        rest = sub(rest, mul(q[i], q[i]));
+    }
+    q[grid.largest] = rest > 0 ? root(rest) : 0;
+    return normalise(q);
+}
+
+// ---- curves
+
+const rounded = (n, d) => Math.sign(n) * Math.floor((Math.abs(n) + Math.floor(d / 2)) / d);
+
+class Track {
+    constructor(n) {
+        this.n = n;
+        this.v = Array(n).fill(0);
+        this.s = Array(n).fill(0);
+        this.anchor = [1, 0, 0, 0];
+        this.forget(true);
+    }
+    forget(fresh) {
+        this.lastK = Array(this.n).fill(0);
+        this.sign = Array(this.n).fill(0);
+        this.lastCode = TO_END;
+        this.lastTicks = 1;
+        this.phase = 0;
+        this.fresh = fresh;
+    }
+    loose() { return this.lastCode === JUMP && !this.fresh; }
+    ahead(c, h) { return this.fresh ? 0 : Math.floor((this.s[c] * h + 480) / 960); }
+    step(code, subs, k) {
+        const jump = code === JUMP, chord = this.fresh || code >= LINE, h = Math.floor(subs / 64);
+        const rise = k.map((x, c) => x + (jump ? 0 : this.ahead(c, h)));
+        const s = rise.map((r, c) => jump ? 0 : chord ? rounded(960 * r, h)
+                                                      : rounded(1920 * r, h) - this.s[c]);
+        const v = rise.map((r, c) => this.v[c] + r);
+        if (rise.some((r) => Math.abs(r) > (jump ? 2 ** 30 : 32767)) ||
+            v.some((x) => Math.abs(x) > 2 ** 30) || s.some((x) => Math.abs(x) > 2 ** 23))
+            throw new Nonsense("bounds");
+        this.v = v;
+        this.s = s;
+        this.remember(code, subs, k);
+        return rise;
+    }
+    remember(code, subs, k) {
+        const jump = code === JUMP;
+        k.forEach((x, c) => {
+            this.lastK[c] = jump || this.fresh ? 0 : Math.max(-100, Math.min(100, x));
+            if (!jump && x !== 0) this.sign[c] = x > 0 ? 1 : -1;
+        });
+        this.lastCode = code >= LINE ? code - LINE : code;
+        this.lastTicks = jump ? 1 : subs / 64;
+        this.fresh = false;
+        this.phase = (this.phase + subs) % 64;
+    }
+    rebase(step) {
+        const theta = this.v.map((v) => mul(f(v), step));
+        const rate = bodyRate(theta, this.s.map(f));
+        this.anchor = normalise(product(this.anchor, rotation(theta)));
+        this.v = [0, 0, 0];
+        this.s = rate.map(nearestSlope);
+    }
+    /// Ends at a rotation that was told. Returns the rises of the piece there.
+    land(code, subs, target, step) {
+        const inverse = div(1, step);
+        const end = vector(product(conjugate(this.anchor), target)).map((c) => mul(c, inverse));
+        const rise = end.map((e, c) => sub(e, f(this.v[c])));
+        if (code !== JUMP) {
+            const chord = this.fresh || code >= LINE, h = f(subs / 64);
+            this.s = rise.map((r, c) => {
+                const t = div(mul(960, r), h);
+                return nearestSlope(chord ? t : sub(mul(2, t), f(this.s[c])));
+            });
+            this.remember(code, subs, [0, 0, 0]);
+            this.phase = 0;
+        }
+        const rate = bodyRate(end.map((e) => mul(e, step)), this.s.map(f));
+        this.anchor = target;
+        this.v = [0, 0, 0];
+        this.s = rate.map(nearestSlope);
+        return rise;
+    }
+}
+
+// ---- the stream
+
+class Header {
+    constructor(payload) {
+        if (payload[0] !== STREAM_VERSION)
+            throw new Error(`the stream has version ${payload[0]} of the format; ` +
+                            `this reader knows version ${STREAM_VERSION}`);
+        const view = new DataView(payload.buffer, payload.byteOffset, payload.length);
+        let at = 1;
+        const byte = () => view.getUint8(at++);
+        const varying = () => {
+            let v = 0n, shift = 0n;
+            for (let b = 128; b > 127; shift += 7n) {
+                b = byte();
+                v |= BigInt(b & 127) << shift;
+            }
+            return v;
+        };
+        this.streamId = view.getUint16(1, true);
+        this.run = view.getUint16(3, true);
+        this.baseNs = view.getBigInt64(5, true);
+        at = 13;
+        this.subNs = Number(varying());
+        const bits = byte();
+        this.timeBits = bits & 127;
+        this.independent = bits > 127;
+        this.usual = Number(varying());
+        this.channels = Array.from({length: byte()}, () => {
+            const kind = byte(), axes = byte(), count = axes & 127;
+            const tolerance = (byte() | byte() << 8) / 32768;
+            const steps = Array.from({length: axes > 127 ? count : 1}, () => {
+                const m = 256 + byte();
+                return f(m * 2 ** view.getInt8(at++));
+            });
+            const rotates = kind >> 4 === 2;
+            return {rotates, kind: kind & 15, axes: count, tolerance, live: false, hidden: false,
+                    over: false, steps: steps.length === 1 ? Array(count).fill(steps[0]) : steps,
+                    tracks: Array.from({length: rotates ? 1 : count}, () => new Track(rotates ? 3 : 1))};
+        });
+        this.digest = crc32(payload.subarray(0, at));
+        const end = varying();
+        this.end = Number(end & 1n ? -((end + 1n) / 2n) : end / 2n);
+        this.starts = (byte() & 1) === 1;
+    }
+}
+
+class StreamDecoder {
+    constructor(tables, told) {
+        this.told = {run() {}, piece() {}, event() {}, ...told};
+        this.tables = new Map(tables.map((t) => [t.kind * 8 + t.components, {
+            length: t.length.map((row) => row.map(StreamDecoder.frequency)),
+            value: t.value.map((row) => row.map(StreamDecoder.frequency)),
+        }]));
+        this.header = null;
+        this.link = null;
+        this.events = null;
+        this.near = 0;
+        this.losses = 0;
+        this.inStep = true;
+        this.data = new Uint8Array(0);
+    }
+    static frequency(cost) {
+        const shift = cost >> 4;
+        return (POWERS[cost & 15] + (1 << shift) - 1) >> shift;
+    }
+    /// Value of component c of a piece, t ticks after its start, in double precision: in the
+    /// channel's unit, or rad in the chart of a rotation.
+    static value(p, t, c = 0) {
+        const h = (p.end - p.start) / 64, w = t / h, ahead = p.s[c] / 960;
+        let x = p.v[c];
+        if (p.code === JUMP || h === 0) return x * p.step;
+        if (p.code >= LINE) x += p.rise[c] * w;
+        else if (!p.fresh) x += ahead * t + (p.rise[c] - ahead * h) * w * w;
+        else x += ahead * h * w * (1 - w) ** 2 + p.rise[c] * w * w * (2 - w);
+        return x * p.step;
+    }
+
+    /// More bytes of the stream. ended: no bytes follow.
+    feed(bytes, ended = false) {
+        const data = new Uint8Array(this.data.length + bytes.length);
+        data.set(this.data);
+        data.set(bytes, this.data.length);
+        let at = 0;
+        while (at < data.length) {
+            if (this.inStep) {
+                const size = frameSize(data, at);
+                if (!ended && (size < 0 || (size > 0 && at + size > data.length))) break;
+                if (size > 0 && at + size <= data.length && this.frame(data.subarray(at, at + size))) {
+                    at += size;
+                    continue;
+                }
+                this.inStep = false;
+                ++this.losses;
+            }
+            const next = this.resume(data, at);
+            if (next < 0) {
+                at = ended ? data.length : Math.max(at, data.length - 768);
+                break;
+            }
+            at = next;
+            this.inStep = true;
+        }
+        this.data = data.slice(at);
+    }
+    frame(frame) {
+        if (frame[0] >= 0xf8) return this.longFrame(frame);
+        if (this.header === null || this.link === null || !checkFits(frame, this.link)) return false;
+        return this.attempt(() => this.dataFrame(frame, "in step", this.link.end));
+    }
+    attempt(read) {
+        try {
+            read();
+            return true;
+        } catch (why) {
+            if (why instanceof Nonsense) return false;
+            throw why;
+        }
+    }
+    longFrame(frame) {
+        const event = frame[0] === 0xf9;
+        if ((event && this.header === null) || !crcFits(frame, event ? this.header.digest : 0)) return false;
+        const payload = frame.subarray(2, frame.length - 4);
+        if (event) return this.attempt(() => this.eventFrame(payload));
+        const header = new Header(payload);
+        if (header.starts || this.header === null || header.digest !== this.header.digest) {
+            this.header = header;
+            this.link = header.starts ? {digest: header.digest, end: header.end, previous: 0} : null;
+            this.near = header.end;
+            this.told.run(header);
+        }
+        return true;
+    }
+    /// Does a header frame tell of another run than the one that is followed?
+    isNews(frame) {
+        const header = new Header(frame.subarray(2, frame.length - 4));
+        return header.starts || this.header === null || header.digest !== this.header.digest;
+    }
+    /// Out of step: the next place from which two checks in a row fit, or -1.
+    resume(data, at) {
+        for (let p = at; p + 3 < data.length; ++p) {
+            const size = frameSize(data, p);
+            if (size <= 0 || p + size > data.length) continue;
+            const frame = data.subarray(p, p + size);
+            if (frame[0] === 0xf8 && crcFits(frame, 0) && this.isNews(frame)) return p;
+            if (frame[0] === 0xf9) this.longFrame(frame);
+            if (frame[0] >= 0xf8 || this.header === null) continue;
+            if (this.link !== null && checkFits(frame, this.link) &&
+                this.follows(data, p + size, frame, this.link, 1)) return p;
+            const time = this.joinable(data, p, frame);
+            if (time === null) continue;
+            const reading = this.header.independent ? "lone" : "joining";
+            if (this.attempt(() => this.dataFrame(frame, reading, time))) return p + size;
+        }
+        return -1;
+    }
+    linkBehind(frame, end, restart, before) {
+        return {digest: this.header.digest, end, previous: crc32(frame, restart ? 0 : before.previous)};
+    }
+    follows(data, at, frame, link, count, first = false) {
+        let head;
+        if (!this.attempt(() => { head = this.head(StreamDecoder.io(frame), link.end, false); }))
+            return false;
+        if (first && head.restart && !this.header.independent) return false;
+        return this.chain(data, at, this.linkBehind(frame, head.end, head.restart, link), count, first);
+    }
+    chain(data, at, link, count, first = false) {
+        if (at >= data.length) return false;
+        const size = frameSize(data, at);
+        if (size <= 0 || at + size > data.length) return false;
+        const frame = data.subarray(at, at + size);
+        if (frame[0] >= 0xf8) return this.chain(data, at + size, link, count, first);
+        return checkFits(frame, link) &&
+               (count === 1 || this.follows(data, at + size, frame, link, count - 1, first));
+    }
+    joinable(data, p, frame) {
+        let head;
+        if (!this.attempt(() => { head = this.head(StreamDecoder.io(frame), this.near, true); }))
+            return null;
+        for (let i = 0; i < 4; ++i) {
+            const turn = i * 64 * 2 ** this.header.timeBits;
+            if (this.chain(data, p + frame.length, this.linkBehind(frame, head.end + turn, true, null), 2, true))
+                return (this.header.independent ? head.start : head.end) + turn;
+        }
+        return null;
+    }
+
+    static io(frame) { return new RangeReader(frame.subarray(1, frame.length - 2)); }
+
+    time(io, from) {
+        const sub = io.flag(1, 4) ? io.raw(6) : 0, bits = this.header.timeBits;
+        const high = io.raw(Math.max(0, bits - 20));
+        const low = high * 2 ** 20 + io.raw(Math.min(bits, 20)), turn = 2 ** bits;
+        const tick = Math.floor((from - sub) / 64);
+        return (tick + ((low - tick) % turn + turn) % turn) * 64 + sub;
+    }
+    ticks(io) {
+        if (io.flag(7, 3)) return this.header.usual;
+        const v = io.golomb(2);
+        const n = v % 2 === 1 ? this.header.usual + (v + 1) / 2 : this.header.usual - v / 2;
+        if (v === 0 || n < 0 || n > 255) throw new Nonsense("ticks");
+        return n;
+    }
+    head(io, before, joining) {
+        const independent = this.header.independent, restart = independent || io.flag(1, 2);
+        if (joining && !restart) throw new Nonsense("no restart frame");
+        let jump = 0;
+        if (io.flag(1, 5)) {
+            const high = io.golomb(0);
+            jump = high * 65536 + io.raw(16);
+            if (high >= 2 ** 28 || jump === 0) throw new Nonsense("jump");
+        }
+        let start = before + jump;
+        const length = 64 * this.ticks(io);
+        if (restart) {
+            const known = independent ? start : start + length;
+            const told = this.time(io, joining ? before : known);
+            if (!joining && told !== known) throw new Nonsense("time");
+            start = independent ? told : told - length;
+        }
+        return {start, end: start + length, restart};
+    }
+
+    dataFrame(frame, reading, before) {
+        const io = StreamDecoder.io(frame), joining = reading !== "in step";
+        const head = this.head(io, before, joining), {independent, channels} = this.header;
+        const restart = head.restart && !independent, ticks = (head.end - head.start) / 64;
+        if (joining) {
+            for (const c of channels) {
+                c.tracks = c.tracks.map((t) => new Track(t.n));
+                c.live = false;
+            }
+        }
+        for (const c of channels) this.ends(io, c, restart, reading);
+        const pieces = [];
+        if (reading === "joining") {
+            for (const c of channels) {
+                c.live = c.hidden = c.goesOn;
+                if (!c.live) continue;
+                if (c.rotates) c.tracks[0].anchor = fromGrid(c.told, c.steps[0]);
+                else c.tracks.forEach((t, i) => { t.v = [c.told[i]]; });
+            }
+        } else {
+            for (const c of channels) this.times(io, c, ticks);
+            channels.forEach((c, number) => {
+                if (c.over) c.tracks.forEach((t, i) => pieces.push(StreamDecoder.point(number, i, c, head.start)));
+            });
+            channels.forEach((c, number) => {
+                if (c.present) c.tracks.forEach((t, i) => this.pieces(io, pieces, number, c, i, t, head.start));
+            });
+            if (!io.finished()) throw new Nonsense("payload");
+            pieces.forEach((p) => this.told.piece(p));
+            for (const c of channels) this.close(c, restart);
+        }
+        this.link = this.linkBehind(frame, head.end, head.restart, this.link);
+        this.near = head.end;
+    }
+    static point(channel, axis, c, at, t = null) {
+        const n = c.rotates ? 3 : 1, zero = Array(n).fill(0);
+        return {channel, axis, start: at, end: at, code: JUMP, fresh: false, v: t ? t.v : zero,
+                s: t ? t.s : zero, rise: zero, rotates: c.rotates, step: c.steps[c.rotates ? 0 : axis],
+                anchor: t ? t.anchor : [1, 0, 0, 0], ends: true};
+    }
+    ends(io, c, restart, reading) {
+        const independent = this.header.independent;
+        c.over = false;
+        if (independent) {
+            const live = io.flag(15, 4);
+            if (reading === "in step" && live && !c.live) throw new Nonsense("live");
+            c.over = reading === "in step" && c.live && !live;
+            c.live = live;
+            if (live) this.startTold(io, c, reading);
+        }
+        const usual = restart || c.live;
+        c.goesOn = io.flag(15, 4) ? usual : !usual;
+        c.told = null;
+        if (c.goesOn && (restart || (independent && c.rotates)))
+            c.told = c.rotates ? io.grid(c.steps[0]) : io.values(c.axes);
+    }
+    startTold(io, c, reading) {
+        const anchor = c.rotates ? fromGrid(io.grid(c.steps[0]), c.steps[0]) : null;
+        const v = c.rotates ? [0, 0, 0] : io.values(c.axes), s = io.values(c.rotates ? 3 : c.axes);
+        c.tracks.forEach((t, i) => {
+            const tv = c.rotates ? v : [v[i]], ts = c.rotates ? s : [s[i]];
+            if (reading === "in step" && (String(t.v) !== String(tv) || String(t.s) !== String(ts) ||
+                                          (c.rotates && String(t.anchor) !== String(anchor))))
+                throw new Nonsense("start");
+            t.v = tv;
+            t.s = ts;
+            if (c.rotates) t.anchor = anchor;
+            if (reading !== "in step") t.forget(false);
+        });
+    }
+    times(io, c, ticks) {
+        if (!this.header.independent) c.over = c.live && io.flag(1, 5);
+        c.live = c.live && !c.over;
+        c.present = c.live || c.goesOn || io.flag(1, 4);
+        if (!c.present) return;
+        c.first = c.live ? 0 : io.uniform(ticks + 1);
+        c.last = c.goesOn ? ticks : c.first + io.uniform(ticks + 1 - c.first);
+        if (c.live) return;
+        c.tracks = c.tracks.map((t) => new Track(t.n));
+        if (c.rotates) c.tracks[0].anchor = fromGrid(io.grid(c.steps[0]), c.steps[0]);
+        else io.values(c.axes).forEach((v, i) => { c.tracks[i].v = [v]; });
+    }
+    pieces(io, pieces, channel, c, axis, t, frameStart) {
+        let left = 64 * (c.last - c.first), rebased = false;
+        const target = c.told !== null && c.rotates ? fromGrid(c.told, c.steps[0]) : null;
+        const reached = () => c.rotates ? String(t.anchor) === String(target) : t.v[0] === c.told[axis];
+        if (left === 0 && !c.goesOn)
+            pieces.push(StreamDecoder.point(channel, axis, c, frameStart + 64 * c.first, t));
+        if (left === 0 && c.told !== null && !reached()) throw new Nonsense("end");
+        while (left > 0) {
+            const p = this.piece(io, c, t, left);
+            if (p.code === REBASE) {
+                if (rebased) throw new Nonsense("rebase");
+                rebased = true;
+                t.rebase(c.steps[0]);
+                continue;
+            }
+            rebased = false;
+            const start = frameStart + 64 * c.last - left, {fresh, anchor} = t;
+            const hidden = c.hidden && fresh && p.code !== JUMP;
+            let {v, s} = t, rise;
+            if (p.ends && !c.rotates) p.k = [c.told[axis] - t.v[0] - t.ahead(0, p.subs / 64)];
+            if (p.ends && c.rotates) rise = t.land(p.code, p.subs, target, c.steps[0]);
+            else rise = t.step(p.code, p.subs, p.k);
+            if (p.code === JUMP) {
+                v = v.map((x, i) => x + p.k[i]);
+                s = p.k;
+                rise = Array(t.n).fill(0);
+                if (target !== null && left === p.subs) t.land(p.code, p.subs, target, c.steps[0]);
+            }
+            left -= p.subs;
+            if (left === 0 && c.told !== null && !c.rotates && !reached()) throw new Nonsense("end");
+            if (!hidden)
+                pieces.push({channel, axis, start, end: start + p.subs, code: p.code,
+                             fresh: fresh && p.code !== JUMP, v, s, rise, rotates: c.rotates, anchor,
+                             step: c.steps[c.rotates ? 0 : axis], ends: left === 0 && !c.goesOn});
+        }
+    }
+    piece(io, c, t, left) {
+        const rows = this.tables.get(c.kind * 8 + t.n);
+        if (!rows) throw new Error(`pieces of kind ${c.kind} are unknown to this reader`);
+        let code = t.phase ? JUMP : io.symbol(rows.length[t.fresh ? 18 : t.lastCode]);
+        if (t.loose() && !t.phase) {
+            if (code >= LINE) throw new Nonsense("line");
+            if (code <= TO_END) code += LINE;
+        }
+        if (code === REBASE) {
+            if (!c.rotates) throw new Nonsense("rebase");
+            return {code};
+        }
+        if (code === JUMP) {
+            const subs = StreamDecoder.duration(io, t.phase);
+            if (subs > left) throw new Nonsense("duration");
+            return {code, subs, k: t.v.map(() => StreamDecoder.plain(io)), ends: false};
+        }
+        const length = code >= LINE ? code - LINE : code;
+        const subs = length === TO_END ? left : 64 * LENGTHS[length];
+        if (subs > left || left % 64 !== 0) throw new Nonsense("duration");
+        if (c.told !== null && subs === left) return {code, subs, k: null, ends: true};
+        const k = [];
+        for (let i = 0; i < t.n; ++i) {
+            const row = StreamDecoder.row(c.kind, t, code, subs / 64, i, k.some((x) => x !== 0));
+            const y = io.symbol(rows.value[row]);
+            let x = y % 2 === 1 ? (y + 1) / 2 : -y / 2;
+            if (y === 31) {
+                const size = io.golomb(0);
+                if (size > 2 ** 30) throw new Nonsense("k");
+                x = io.half() ? -(size + 16) : size + 16;
+            }
+            k.push((t.sign[i] < 0 ? -x : x) + 0);
+        }
+        return {code, subs, k, ends: false};
+    }
+    static row(kind, t, code, h, i, before) {
+        const base = code >= LINE && kind === 2 ? (t.n === 1 ? 33 : 48) : 0;
+        if (t.fresh || t.loose()) return base + (h <= 12 ? 0 : h <= 30 ? 1 : 2);
+        const size = Math.abs(t.lastK[i]), a = size <= 2 ? size : size <= 4 ? 3 : 4;
+        const g = 3 * a + (h < t.lastTicks ? 0 : h === t.lastTicks ? 1 : 2);
+        if (t.n === 1) return base + 3 + 2 * g + (h >= 16 ? 1 : 0);
+        return base + 3 + 3 * g + (i === 0 ? 0 : before ? 2 : 1);
+    }
+    static duration(io, phase) {
+        const toTick = 64 - phase;
+        if (io.flag(29, 5)) return toTick;
+        if (io.half()) return toTick + 64 * (io.raw(6) + 1);
+        const n = io.raw(6);
+        if (n === 0 || n >= toTick) throw new Nonsense("duration");
+        return n;
+    }
+    static plain(io) {
+        const n = io.raw(5);
+        if (n > 30) throw new Nonsense("jump");
+        if (n === 0) return 0;
+        const size = 2 ** (n - 1) + io.raw(n - 1);
+        return io.half() ? -size : size;
+    }
+    close(c, restart) {
+        if (c.present && c.last > c.first) c.hidden = false;
+        c.live = c.goesOn;
+        if (!c.live) return;
+        for (const t of c.tracks) {
+            if (restart || this.header.independent) t.forget(restart);
+            else if (c.rotates) t.rebase(c.steps[0]);
+        }
+    }
+
+    eventFrame(payload) {
+        const io = new RangeReader(payload), number = io.raw(16), count = io.raw(5), items = [];
+        if (count < 1 || count > 14) throw new Nonsense("events");
+        let back = count, t = this.header.baseNs;
+        for (let i = 0; i < count; ++i, --back) {
+            if (!io.flag(3, 2)) back = io.raw(16);
+            const gap = io.flag(1, 4), z = io.sized(7, 64);
+            t = BigInt.asIntN(64, t + (z & 1n ? -((z + 1n) / 2n) : z / 2n));
+            items.push({back, gap, tNs: t, channel: Number(io.sized(5, 16)), value: Number(io.sized(5, 16))});
+            if (back <= 0) throw new Nonsense("events");
+        }
+        if (!io.finished()) throw new Nonsense("events");
+        const ahead = this.events === null ? null : (number - this.events + 65536) % 65536;
+        for (const e of items)
+            if (ahead === null || ahead >= 32768 || e.back <= ahead) this.told.event(e);
+        this.events = number;
+    }
+}
+
+if (typeof module !== "undefined") module.exports = {StreamDecoder};

@@ -1,0 +1,233 @@
+// Records through encoder and decoder: every accepted sample within its tolerance, covered, in
+// time, checked in double from the bytes. Uneven times, gaps of channels, leaps of the clock,
+// jumps, noise.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+
+#include "tests/unit/stream_check.hpp"
+
+namespace fairlead::test {
+namespace {
+
+using Both = wire2::Encoder<120, 2, wire2::Vector<3>, wire2::Orientation<>>;
+using Alone = wire2::Encoder<64, 0, wire2::Vector<2, wire2::Small>>;
+using Turning = wire2::Encoder<32, 0, wire2::Orientation<wire2::Small>>;
+
+struct Dice {
+    std::mt19937_64 engine;
+    double unit() { return static_cast<double>(engine() >> 11) * 0x1p-53; }
+    bool chance(double p) { return unit() < p; }
+    std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(engine() % n); }
+};
+
+/// A smooth walk that rests, moves, and now and then leaps.
+struct Walk {
+    double x{0}, v{0}, aim{0};
+    double step(Dice& dice, double dt, double speed) {
+        if (dice.chance(0.02)) aim = dice.chance(0.4) ? 0 : speed * (2 * dice.unit() - 1);
+        v += (aim - v) * (dt < 0.1 ? dt * 8 : 0.8);
+        x += v * dt;
+        return x;
+    }
+};
+
+struct Kind {
+    double jitter, missing, noise, leap, speed;
+};
+
+template <class Check>
+void run_stream(Check& check, const typename Check::Params& params, Dice& dice, int records,
+                const Kind& kind, typename Check::Values (*value)(std::array<double, 6>)) {
+    std::array<Walk, 6> walks{};
+    const std::int64_t period = params.sample_period_ns;
+    const std::int64_t spacing = Check::Encoder::limits(params).spacing_min_ns;
+    std::int64_t t = static_cast<std::int64_t>(dice.engine()) / 8, before = t;
+    std::uint32_t valid = (1u << Check::channels) - 1u;
+    bool new_run = true;
+    for (int i = 0; i < records; ++i) {
+        std::uint32_t gaps = 0;
+        if (dice.chance(0.002)) {  // the clock leaps
+            t = static_cast<std::int64_t>(dice.engine()) / 8;
+            new_run = true;
+        } else if (dice.chance(0.003)) {
+            t += period * (20 + dice.below(3000));  // a pause
+            gaps = dice.below(4);
+        }
+        if (dice.chance(0.01)) valid = 1 + dice.below((1u << Check::channels) - 1u);
+        if (dice.chance(0.05)) valid = (1u << Check::channels) - 1u;
+        std::array<double, 6> x{};
+        for (std::size_t k = 0; k < 6; ++k) {
+            if (dice.chance(kind.leap)) walks[k].x += kind.speed * (2 * dice.unit() - 1);
+            x[k] = walks[k].step(dice, static_cast<double>(period) * 1e-9, kind.speed) +
+                   kind.noise * (2 * dice.unit() - 1);
+        }
+        t += period;
+        if (dice.chance(kind.missing)) continue;
+        std::int64_t at = t + static_cast<std::int64_t>(kind.jitter * (2 * dice.unit() - 1) *
+                                                        static_cast<double>(period));
+        if (!new_run && at < before + spacing) at = before + spacing;
+        check.push(at, value(x), valid, gaps, new_run);
+        before = at;
+        new_run = false;
+    }
+    check.finish();
+}
+
+template <class Enc>
+struct Checked {
+    using Encoder = Enc;
+    using Params = typename Enc::Params;
+    using Values = typename Enc::Values;
+    static constexpr std::size_t channels = Enc::channel_count;
+    StreamCheck<Enc, wire2::Decoder<3, 1>> check;
+    explicit Checked(const Params& params) : check{params} {}
+    void push(std::int64_t t, const Values& v, std::uint32_t valid, std::uint32_t gaps, bool run) {
+        check.push(t, v, valid, gaps, run);
+    }
+    void finish() { check.finish(); }
+};
+
+Quat turned(double a, double b, double c) {
+    const auto q = from_rotation_vector(BasicVec3<double>{a, b, c});
+    return {static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y),
+            static_cast<float>(q.z)};
+}
+
+template <class Encoder>
+void search(int streams, int records, std::array<float, Encoder::channel_count> tolerance,
+            typename Encoder::Values (*value)(std::array<double, 6>), std::uint64_t seed) {
+    std::size_t accepted = 0;
+    for (int i = 0; i < streams; ++i) {
+        Dice dice{std::mt19937_64{seed + static_cast<std::uint64_t>(i)}};
+        typename Encoder::Params params;
+        params.tolerance = tolerance;
+        const double rate = std::exp(dice.unit() * std::log(8000.0));
+        params.sample_period_ns = static_cast<std::int64_t>(1e9 / rate);
+        params.delay_records = 8 + dice.below(Encoder::records_max - 7);
+        if (dice.chance(0.3)) params.delay_records = Encoder::records_max;
+        params.restart_interval_ns = dice.chance(0.2) ? wire2::every_frame_ns
+                                     : dice.chance(0.2)
+                                         ? wire2::never_ns
+                                         : static_cast<std::int64_t>(3e9 * dice.unit());
+        params.header_interval_ns = 1'000'000'000;
+        const Kind kind{dice.chance(0.5) ? 0.0 : 0.3 * dice.unit(), dice.chance(0.5) ? 0.0 : 0.1,
+                        dice.chance(0.7) ? 0.0002 : 0.02, dice.chance(0.7) ? 0.0 : 0.01,
+                        0.01 + 3 * dice.unit()};
+        ASSERT_EQ(Encoder::check(params).status, Status::ok);
+        auto run = std::make_unique<Checked<Encoder>>(params);
+        run_stream(*run, params, dice, records, kind, value);
+        const auto& check = run->check;
+        ASSERT_TRUE(check.good()) << "seed " << seed + static_cast<std::uint64_t>(i) << ": "
+                                  << check.first_fault << "; violations " << check.violations
+                                  << " late " << check.late << " uncovered " << check.uncovered
+                                  << " losses " << check.decoder.frame_counters().losses
+                                  << " overflows " << check.encoder.overflows() << " worst "
+                                  << check.worst;
+        accepted += check.accepted;
+    }
+    EXPECT_GT(accepted, static_cast<std::size_t>(streams * records / 2));
+}
+
+TEST(StreamEncoder, BothChannels) {
+    search<Both>(
+        16, 600, {0.001f, 0.0044f},
+        [](std::array<double, 6> x) -> Both::Values {
+            return {{static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])},
+                    turned(x[3], x[4], x[5])};
+        },
+        1);
+}
+TEST(StreamEncoder, AVectorAlone) {
+    search<Alone>(
+        40, 900, {0.002f},
+        [](std::array<double, 6> x) -> Alone::Values {
+            return {{static_cast<float>(x[0]), static_cast<float>(x[1])}};
+        },
+        1000);
+}
+TEST(StreamEncoder, AnOrientationAlone) {
+    search<Turning>(
+        40, 900, {0.0175f},
+        [](std::array<double, 6> x) -> Turning::Values { return {turned(x[0], x[1], x[2])}; },
+        2000);
+}
+
+TEST(StreamEncoder, RefusedParametersNameTheirField) {
+    Both::Params params;
+    params.tolerance = {0.001f, 0.0044f};
+    EXPECT_EQ(Both::check(params).status, Status::ok);
+    const auto refused = [&](auto change) {
+        Both::Params p = params;
+        change(p);
+        const Check check = Both::check(p);
+        EXPECT_EQ(check.status, Status::bad_argument);
+        Both encoder{p};
+        EXPECT_EQ(encoder.push(0, {}, 3, 0, false).status, Status::bad_argument);
+        EXPECT_FALSE(encoder.push_event({}));
+        return std::string{check.field};
+    };
+    EXPECT_EQ(refused([](auto& p) { p.sample_period_ns = 0; }), "sample_period_ns");
+    EXPECT_EQ(refused([](auto& p) { p.delay_records = 121; }), "delay_records");
+    EXPECT_EQ(refused([](auto& p) { p.delay_records = 0; }), "delay_records");
+    EXPECT_EQ(refused([](auto& p) { p.tolerance[0] = 0; }), "tolerance");
+    EXPECT_EQ(refused([](auto& p) { p.tolerance[1] = 1e-5f; }), "tolerance");
+    EXPECT_EQ(refused([](auto& p) { p.tolerance[0] = NAN; }), "tolerance");
+    EXPECT_EQ(refused([](auto& p) { p.restart_interval_ns = -1; }), "restart_interval_ns");
+    EXPECT_EQ(refused([](auto& p) { p.header_interval_ns = 0; }), "header_interval_ns");
+    EXPECT_EQ(refused([](auto& p) { p.gap_ns = -1; }), "gap_ns");
+}
+
+TEST(StreamEncoder, EventsComeOutExactlyAndOnce) {
+    Both::Params params;
+    params.tolerance = {0.001f, 0.0044f};
+    params.event_delay_records = 3;
+    auto encoder = std::make_unique<Both>(params);
+    wire2::Decoder<3, 1> decoder;
+    std::vector<Event> sent, told;
+    Dice dice{std::mt19937_64{3}};
+    const auto take = [&](const Bytes& bytes) {
+        for (const std::uint8_t b : bytes) {
+            if (!decoder.push(b)) continue;
+            Event event;
+            while (decoder.next_event(event)) told.push_back(event);
+        }
+    };
+    for (int i = 0; i < 3000; ++i) {
+        if (dice.chance(0.1)) {
+            const Event event{static_cast<std::int64_t>(dice.engine()),
+                              static_cast<std::uint16_t>(dice.below(4)),
+                              static_cast<std::uint16_t>(dice.engine()), 0};
+            if (encoder->push_event(event)) sent.push_back(event);
+        }
+        take(encoder->push(i * params.sample_period_ns, {{0, 0, 0}, Quat{}}, 3, 0, false));
+    }
+    take(encoder->flush());
+    ASSERT_EQ(told.size(), sent.size());
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+        EXPECT_EQ(told[i].t_ns, sent[i].t_ns);
+        EXPECT_EQ(told[i].channel, sent[i].channel);
+        EXPECT_EQ(told[i].value, sent[i].value);
+    }
+    EXPECT_EQ(decoder.event_counters().lost, encoder->refused_events());
+}
+
+TEST(StreamEncoder, AMinuteAtRestIsSmall) {
+    Both::Params params;
+    params.tolerance = {0.001f, 0.0043633f};
+    params.delay_records = 120;
+    auto encoder = std::make_unique<Both>(params);
+    std::size_t bytes = 0;
+    for (int i = 0; i < 7200; ++i)
+        bytes += encoder
+                     ->push(i * params.sample_period_ns,
+                            {{0.3f, 1.2f, 1.6f}, Quat{0.5f, 0.5f, 0.5f, 0.5f}}, 3, 0, false)
+                     .size;
+    bytes += encoder->flush().size;
+    EXPECT_LE(bytes, 800u);
+    RecordProperty("bytes", static_cast<int>(bytes));
+}
+
+}  // namespace
+}  // namespace fairlead::test
