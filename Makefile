@@ -262,7 +262,7 @@ fuzz-config: ## [build gateway clang sanitize] search for a configuration that s
 	clang++ $(BASE) -Wno-everything -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $(FUZZ_CONFIG) -o $(BUILD)/fuzz/fuzz-config
 	$(BUILD)/fuzz/fuzz-config -dict=tests/fuzz/toml.dict -max_len=4096 -timeout=5 -max_total_time=$$(( 60 * $(MINUTES) )) $(BUILD)/fuzz/config
 deb: gateway record sim ## [deb] build the Debian package of the programs, and check it with lintian
-	@packaging/deb/build $(BUILD)
+	@examples/gateway/deb/build $(BUILD)
 	@lintian --fail-on error $(BUILD)/fairlead_*.deb
 
 ##@ Measure, and write the tables of the documentation
