@@ -1,6 +1,6 @@
 #pragma once
 // The register map as other people's tools want it. All of it is printed from
-// port/linux/registers.hpp.
+// examples/gateway/register_map.hpp.
 #include <array>
 #include <string>
 

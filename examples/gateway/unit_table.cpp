@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "examples/gateway/version.hpp"
+#include "fairlead/math/euler.hpp"
 
 namespace fairlead::gateway {
 namespace {
@@ -15,13 +16,11 @@ struct Angles {
     float roll{}, pitch{}, yaw{};
 };
 
-/// Degrees, z then y then x: for displays only, so libm will do.
+/// Degrees, z then y then x.
 Angles angles_deg(const Quat& q) noexcept {
     constexpr float degrees = 57.29577951f;
-    const float sine = std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0f, 1.0f);
-    return {std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y)) * degrees,
-            std::asin(sine) * degrees,
-            std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)) * degrees};
+    const EulerAngles<float> e = euler_angles(q);
+    return {e.roll * degrees, e.pitch * degrees, e.yaw * degrees};
 }
 
 }  // namespace

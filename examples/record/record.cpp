@@ -93,9 +93,9 @@ class Files {
         : options_{o}, part_{part}, period_s_{period_s} {}
     bool open_next(std::int64_t now_ns) {
         begun_ns_ = now_ns;
-        const std::uint32_t fields =
-            sim::imu_field::gyro | sim::imu_field::accel | sim::imu_field::temperature |
-            (options_.wiring.imu.mag.empty() ? 0 : sim::imu_field::mag);
+        const std::uint32_t fields = sim::imu_field::gyro | sim::imu_field::accel |
+                                     sim::imu_field::temperature |
+                                     (options_.wiring.imu.mag.empty() ? 0 : sim::imu_field::mag);
         return writer_.open(record::file_name(options_.out, ++number_), part_, period_s_, fields);
     }
     bool append(const Batch& batch, std::int64_t now_ns) {
@@ -261,8 +261,7 @@ std::string wrong_in(const CLI::App& app, Options& o) {
 
 int main(int argc, char** argv) {
     Options o;
-    CLI::App app{"Records an inertial sensor on I2C or SPI to .imu or .csv.",
-                 "fairlead-record"};
+    CLI::App app{"Records an inertial sensor on I2C or SPI to .imu or .csv.", "fairlead-record"};
     add_options(app, o);
     try {
         app.parse(argc, argv);

@@ -394,7 +394,7 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     try {
         if (*locks) return fairlead::sim::locks(count, into);
-        if (*smooth) return fairlead::sim::smoothing(folder, into;
+        if (*smooth) return fairlead::sim::smoothing(folder, into);
         if (*foreign) return fairlead::sim::foreign(folder, into, set);
         if (*day) return fairlead::sim::day(folder, hours);
         return fairlead::sim::table(folder, into);

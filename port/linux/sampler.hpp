@@ -202,8 +202,7 @@ class Sampler {
                 batch.samples[i].flags |= flag::temperature_valid;
             }
             const auto sample = intake_.push(batch.samples[i]);
-            if (sample)
-                batch.samples[kept++] = *sample;
+            if (sample) batch.samples[kept++] = *sample;
             if (intake_.refused()) ++counts_.refused;
         }
         batch.count = kept;

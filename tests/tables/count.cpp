@@ -118,8 +118,7 @@ double reduce(const sim::Recording& recording, double tolerance, std::int32_t de
         see_frame(channel, frame.seam, tally);
         bytes += 8;
         if (frame.seam == reduce2::Seam::restart)
-            restarted = reducer.grid().time_ns(frame.start_subs +
-                                               std::int64_t{64} * frame.ticks);
+            restarted = reducer.grid().time_ns(frame.start_subs + std::int64_t{64} * frame.ticks);
         reducer.release();
     };
     for (const Pose& pose : recording.poses) {

@@ -8,9 +8,12 @@ on a two-sided geometric distribution, so that streams unlike the training cost 
 1/16 bit; the frequencies that follow from a row's costs (code/model.hpp) sum to at most 2^15.
 """
 import math
+import pathlib
+import re
 import sys
 
-POWER = [math.ceil(2**15 * 2 ** (-i / 16)) for i in range(16)]
+MODEL = pathlib.Path(__file__).parents[2] / "lib/include/fairlead/code/model.hpp"
+POWER = [int(n) for n in re.findall(r"\d+", re.search(r"power\{([^}]*)\}", MODEL.read_text())[1])]
 COST_MAX = 240
 LENGTHS, TO_END, JUMP, REBASE = 16, 16, 17, 18
 FRESH_ROW = 18

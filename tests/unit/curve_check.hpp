@@ -1,7 +1,7 @@
 #pragma once
-// Reads the committed segments of a reducer as a decoder would, and compares them in double with the
-// samples that went in: every sample within its tolerance, in time, exactly once; states that go on
-// without a step; costs that bound what a coder writes.
+// Reads the committed segments of a reducer as a decoder would, and compares them in double with
+// the samples that went in: every sample within its tolerance, in time, exactly once; states that
+// go on without a step; costs that bound what a coder writes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -109,8 +109,8 @@ class Follower<reduce2::VectorChannel<D, Kind, BeamT, Window>> {
             const auto& all = stretch_[a];
             double y = std::numeric_limits<double>::quiet_NaN();
             for (auto i = all.rbegin(); i != all.rend(); ++i) {
-                const bool in = subs > static_cast<double>(i->from) &&
-                                subs <= static_cast<double>(i->to);
+                const bool in =
+                    subs > static_cast<double>(i->from) && subs <= static_cast<double>(i->to);
                 const bool at_start = subs == static_cast<double>(i->from) && start_at(a, i->from);
                 if (!in && !at_start) continue;
                 y = at_start ? start_v_[a]
@@ -158,12 +158,13 @@ class Follower<reduce2::VectorChannel<D, Kind, BeamT, Window>> {
             const bool jump = p.code == curve::code::jump;
             report.jumps += jump ? 1 : 0;
             const double v = jump ? st.v[0] : before.v[0];
-            stretch_[a].push_back(
-                {at, at + p.subs, {v},
-                 {curve::polynomial<double>(p.code, before.fresh, before.s[0],
-                                            static_cast<double>(st.v[0] - before.v[0]),
-                                            p.subs / 64)},
-                 {}});
+            stretch_[a].push_back({at,
+                                   at + p.subs,
+                                   {v},
+                                   {curve::polynomial<double>(
+                                       p.code, before.fresh, before.s[0],
+                                       static_cast<double>(st.v[0] - before.v[0]), p.subs / 64)},
+                                   {}});
             at += p.subs;
             left -= p.subs;
         }
@@ -261,9 +262,9 @@ class Follower<reduce2::RotationChannel<Kind, BeamT, Window>> {
     double error(double subs, const Quat& value, const Channel& channel) {
         for (auto i = stretch_.rbegin(); i != stretch_.rend(); ++i) {
             const bool point = i->from == i->to;
-            const bool in = point ? subs == static_cast<double>(i->from)
-                                  : subs > static_cast<double>(i->from) &&
-                                        subs <= static_cast<double>(i->to);
+            const bool in =
+                point ? subs == static_cast<double>(i->from)
+                      : subs > static_cast<double>(i->from) && subs <= static_cast<double>(i->to);
             if (!in) continue;
             std::array<double, 3> theta{};
             for (std::size_t a = 0; a < 3; ++a)
@@ -304,7 +305,8 @@ class CurveCheck {
     using Reducer = reduce2::Reducer<Channels...>;
     using Values = typename Reducer::Values;
 
-    CurveCheck(Reducer& reducer, const curve::Grid& grid, const std::array<float, sizeof...(Channels)>& tolerance,
+    CurveCheck(Reducer& reducer, const curve::Grid& grid,
+               const std::array<float, sizeof...(Channels)>& tolerance,
                const reduce2::Window& window)
         : reducer_{reducer}, tolerance_{tolerance}, records_{window.records} {
         configure(std::index_sequence_for<Channels...>{});
@@ -357,7 +359,8 @@ class CurveCheck {
         auto& channel = reducer_.template channel<I>();
         auto& follower = std::get<I>(followers_);
         follower.frame_bits = 0;
-        for (int i = 0; i < 1000 && !channel.check(7); ++i) {}
+        for (int i = 0; i < 1000 && !channel.check(7); ++i) {
+        }
         if (channel.failures() != failures_[I]) {
             failures_[I] = channel.failures();
             report.wrong(report.broken, "the reducer's own check fails");

@@ -55,7 +55,7 @@ class RandomMotion {
         if (chance(loss_)) valid = 1u + static_cast<std::uint32_t>(random_() % 2);
         gaps = chance(0.003) ? 1u + static_cast<std::uint32_t>(random_() % 3) : 0;
     }
-    bool chance(double p) { return uniform(0, 1) < p; }
+    bool chance(double probability) { return uniform(0, 1) < probability; }
     double uniform(double a, double b) {
         return a + (b - a) * static_cast<double>(random_() >> 11) * 0x1p-53;
     }
@@ -101,8 +101,8 @@ class RandomMotion {
     }
 
     std::mt19937_64 random_;
-    double jitter_{}, missing_{}, pause_{}, off_rate_{}, leap_{}, noise_{}, speed_{}, far_{}, loss_{},
-        rest_{}, late_{}, nominal_{};
+    double jitter_{}, missing_{}, pause_{}, off_rate_{}, leap_{}, noise_{}, speed_{}, far_{},
+        loss_{}, rest_{}, late_{}, nominal_{};
     std::array<double, 3> x_{}, v_{}, w_{};
     Quat held_{};
     bool first_{true}, resting_{false};

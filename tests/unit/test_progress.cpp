@@ -38,7 +38,7 @@ TEST(Progress, IsSilentForShortWorkAndInAPipe) {
 TEST(Progress, TellsShareRateAndTimeLeft) {
     const std::string text = written(true, 10.05);
     EXPECT_EQ(text.substr(0, 50), "\r\033[Kreplay:  10 %, 100 records/s, 18 s left\r\033[Krep");
-    EXPECT_NE(text.find("replay:  50 %, 100 records/s, 10 s left"), std::string::npos);
+    EXPECT_NE(text.find("replay:  49 %, 100 records/s, 11 s left"), std::string::npos);
     EXPECT_EQ(text.substr(text.size() - 4), "\r\033[K") << "the line is taken away";
     std::size_t lines = 0;
     for (const char c : text) lines += c == '\r' ? 1 : 0;

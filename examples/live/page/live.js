@@ -54,7 +54,7 @@
   }
 
   // ---- what comes in
-  let start = null, last = null, newest = null, count = 0;
+  let start = null, last = null, newest = null, count = 0, moved = false, drawn = 0;
   const source = new EventSource("values");
   source.onmessage = (event) => { newest = JSON.parse(event.data); ++count; take(newest); };
   source.onerror = () => show.state("not connected", "the program does not answer; trying again");
@@ -73,7 +73,7 @@
     }
     if (view && has(0)) {
       view.solid.quaternion.set(v.q[1], v.q[2], v.q[3], v.q[0]);
-      view.render();
+      moved = true;
     }
     if (last === null || v.now - last.now >= 1) figures(v);
   }
@@ -91,8 +91,12 @@
     show.faults(v.faults + v.damaged + v.lost, `${v.faults} samples, ${v.damaged} damaged frames, ${v.lost} lost, ${v.gaps} gaps`);
     last = v;
   }
-  setInterval(() => {
-    if (document.hidden) return;
+  // drawing follows the screen, not the messages: a slow machine draws less often and keeps up
+  const draw = (now) => {
+    requestAnimationFrame(draw);
+    if (moved && view) view.render();
+    moved = false;
+    if (now - drawn < 200) return;
     for (const [id, graph] of Object.entries(graphs)) {
       const data = rows[id];
       if (data.length === 0) continue;
@@ -100,7 +104,9 @@
       graph.updateOptions({ file: data, dateWindow: [Math.max(0, end - seconds), Math.max(end, 1)],
                             gridLineColor: Charts.css("--line") });
     }
-  }, 100);
+    drawn = performance.now();  // after the work, so that there is always time between
+  };
+  requestAnimationFrame(draw);
   window.live = { rows, graphs, view, get newest() { return newest; }, get count() { return count; } };
   document.documentElement.dataset.ready = 1;
 })();

@@ -2,9 +2,9 @@
 // Symbols of pieces: alphabets, contexts, and the table of costs that search and coder share.
 //
 // A table row holds a cost in 1/16 bit for each symbol. The coder's frequency of a symbol follows
-// from it: frequency(cost) out of 2^15, rounded up, so that a cost is never below the coded bits;
-// the frequencies of a row sum to at most 2^15 and what remains is not used. One byte a symbol
-// serves the search (costs), the encoder and the decoder.
+// from it: frequency(cost) out of 2^15, rounded up, so that a cost is never more than 4e-5 bit
+// below the coded ones; the frequencies of a row sum to at most 2^15 and what remains is not used.
+// One byte a symbol serves the search (costs), the encoder and the decoder.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -18,13 +18,14 @@ inline constexpr unsigned cost_max = 240;  // 15 bits
 using Cost = std::uint32_t;                // 1/16 bit
 
 namespace detail {
-// ceil(2^15 2^(-i / 16))
+// 2^15 2^(-i / 16), rounded: the only copy, tests/tables/tables.py reads it here
 inline constexpr std::array<std::uint16_t, 16> power{32768, 31379, 30049, 28775, 27555, 26386,
                                                      25268, 24196, 23171, 22188, 21248, 20347,
                                                      19484, 18658, 17867, 17109};
 }  // namespace detail
 
-/// Frequency out of 2^15 of a symbol with this cost: at least 2^(15 - cost / 16), at least 1.
+/// Frequency out of 2^15 of a symbol with this cost: 2^(15 - cost / 16), not below it by more than
+/// 2.5e-5 of it; at least 1.
 constexpr std::uint32_t frequency(std::uint8_t cost) noexcept {
     const unsigned shift = cost >> 4;
     return (std::uint32_t{detail::power[cost & 15u]} + (1u << shift) - 1u) >> shift;
@@ -38,8 +39,9 @@ inline constexpr std::uint8_t value_escape = 31;
 /// Rows for the code of a piece: by the code of the piece before (quadratics and lines alike,
 /// to_end, jump), and for a fresh piece.
 inline constexpr std::size_t length_rows = 19;
-/// Rows for k of one component: 3 for pieces that are fresh or follow a jump, then 5 classes of the last k, 3 of the ratio of
-/// lengths, and 2 of length (axis) or 3 of the place among the components (rotation).
+/// Rows for k of one component: 3 for pieces that are fresh or follow a jump, then 5 classes of the
+/// last k, 3 of the ratio of lengths, and 2 of length (axis) or 3 of the place among the components
+/// (rotation).
 inline constexpr std::size_t axis_value_rows = 3 + 5 * 3 * 2;
 inline constexpr std::size_t rotation_value_rows = 3 + 5 * 3 * 3;
 
@@ -100,7 +102,7 @@ constexpr Cost value_cost(const std::uint8_t (&row)[value_symbols], std::int32_t
 
 inline constexpr std::uint32_t tick_ones = 29;  // P(a jump lasts to the next tick) = 29 / 32
 inline constexpr unsigned tick_bits = 5;
-inline constexpr Cost tick_cost = 3;             // 1/16 bit, rounded up
+inline constexpr Cost tick_cost = 3;  // 1/16 bit, rounded up
 inline constexpr Cost other_duration_cost = 55 + 16 * 7;
 
 /// Cost of one jump behind its code: duration and N values.

@@ -1,8 +1,8 @@
 #pragma once
 // Pieces to symbols and back: one description that encodes, decodes and counts.
 //
-// Io is a RangeEncoder, a RangeDecoder, or a Counter of bits; the code is the same for all three, so
-// that they cannot differ. Whatever a decoder reads, a state stays within the bounds of
+// Io is a RangeEncoder, a RangeDecoder, or a Counter of bits; the code is the same for all three,
+// so that they cannot differ. Whatever a decoder reads, a state stays within the bounds of
 // curve/state.hpp: nonsense gives false.
 #include <cstddef>
 #include <cstdint>
@@ -143,7 +143,8 @@ constexpr bool code_piece(Io& io, const Costs<Kind, N>& costs, curve::State<N>& 
     if (left <= 0) return false;
     if (state.phase != 0)
         piece.code = codes::jump;
-    else if (!detail::piece_code<Kind>(io, costs.length[length_row(state)], state.loose(), piece.code))
+    else if (!detail::piece_code<Kind>(io, costs.length[length_row(state)], state.loose(),
+                                       piece.code))
         return false;
     if (piece.code == codes::rebase) return N == 3;
     if (piece.code == codes::jump) {
@@ -153,9 +154,8 @@ constexpr bool code_piece(Io& io, const Costs<Kind, N>& costs, curve::State<N>& 
         return curve::step(state, piece);
     }
     const std::size_t index = curve::is_line(piece.code) ? piece.code - codes::line : piece.code;
-    const std::int32_t subs = curve::ends_frame(piece.code)
-                                  ? left
-                                  : curve::lengths[index] * curve::subs_per_tick;
+    const std::int32_t subs =
+        curve::ends_frame(piece.code) ? left : curve::lengths[index] * curve::subs_per_tick;
     if (subs > left || left > curve::piece_ticks_max * curve::subs_per_tick ||
         left % curve::subs_per_tick != 0)
         return false;
@@ -164,8 +164,8 @@ constexpr bool code_piece(Io& io, const Costs<Kind, N>& costs, curve::State<N>& 
     if (end == End::told && subs == left) {
         if constexpr (N == 3) return true;
         if (told == nullptr) return false;
-        const std::int64_t k = std::int64_t{*told} - state.v[0] -
-                               curve::predicted_rise(state.s[0], state.fresh, h);
+        const std::int64_t k =
+            std::int64_t{*told} - state.v[0] - curve::predicted_rise(state.s[0], state.fresh, h);
         if (k > INT32_MAX || k < -INT32_MAX) return false;
         piece.k[0] = static_cast<std::int32_t>(k);
         return curve::step(state, piece);

@@ -1,9 +1,9 @@
 #pragma once
 // The time of curves: a grid of ticks, counted exactly in sub-ticks from the base of a run.
 //
-// A tick is the sample period, rounded to a multiple of 64 ns; a sub-tick is 1/64 of it. Vertices of
-// curves lie on ticks (after a jump also on sub-ticks); samples lie anywhere between and bound the
-// curve at their true times.
+// A tick is the sample period, rounded to a multiple of 64 ns; a sub-tick is 1/64 of it. Vertices
+// of curves lie on ticks (after a jump also on sub-ticks); samples lie anywhere between and bound
+// the curve at their true times.
 #include <cstdint>
 
 #include "fairlead/curve/lengths.hpp"
@@ -30,9 +30,7 @@ struct Grid {
         const std::int64_t p = period_ns < 64 ? 64 : period_ns > longest ? longest : period_ns;
         return {base_ns, static_cast<std::uint32_t>((p + 32) / 64)};
     }
-    constexpr std::int64_t tick_ns() const noexcept {
-        return std::int64_t{sub_ns} * subs_per_tick;
-    }
+    constexpr std::int64_t tick_ns() const noexcept { return std::int64_t{sub_ns} * subs_per_tick; }
     /// Time of n sub-ticks in ns. The caller keeps n within the run: no overflow is checked here.
     constexpr std::int64_t time_ns(std::int64_t n) const noexcept { return base_ns + n * sub_ns; }
 

@@ -23,10 +23,10 @@ inline constexpr std::array<std::uint8_t, length_count> lengths{1,  2,  4,  6,  
 
 /// Codes of pieces; [0, length_count) are quadratics of lengths[code].
 namespace code {
-inline constexpr std::uint8_t to_end = 16;    // a quadratic to the end of the frame
-inline constexpr std::uint8_t jump = 17;      // the value jumps, then holds
-inline constexpr std::uint8_t rebase = 18;    // no time passes; a rotation changes its anchor
-inline constexpr std::uint8_t line = 19;      // [line, line + length_count): straight lines
+inline constexpr std::uint8_t to_end = 16;  // a quadratic to the end of the frame
+inline constexpr std::uint8_t jump = 17;    // the value jumps, then holds
+inline constexpr std::uint8_t rebase = 18;  // no time passes; a rotation changes its anchor
+inline constexpr std::uint8_t line = 19;    // [line, line + length_count): straight lines
 inline constexpr std::uint8_t line_to_end = 35;
 inline constexpr std::uint8_t none = 255;
 }  // namespace code
@@ -43,7 +43,9 @@ struct Corners {  // the same, and straight lines, where the slope may jump at b
     static constexpr std::size_t codes = 36;
 };
 
-constexpr bool is_line(std::uint8_t c) noexcept { return c >= code::line && c <= code::line_to_end; }
+constexpr bool is_line(std::uint8_t c) noexcept {
+    return c >= code::line && c <= code::line_to_end;
+}
 constexpr bool ends_frame(std::uint8_t c) noexcept {
     return c == code::to_end || c == code::line_to_end;
 }

@@ -9,8 +9,8 @@
 // predicts v, and a cubic leads from the old slope to the slope (v' - v) / h of its chord, so that
 // later pieces do not depend on what came before the restart.
 // A jump moves v by k, sets s to 0, and holds for a number of sub-ticks. Jumps follow each other
-// until they reach a whole tick again. The slope is lost there, so that the piece behind is always a
-// straight line: a curve in fast motion finds its slope at once.
+// until they reach a whole tick again. The slope is lost there, so that the piece behind is always
+// a straight line: a curve in fast motion finds its slope at once.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -32,8 +32,8 @@ template <std::size_t N>
 struct State {
     std::array<std::int32_t, N> v{};
     std::array<std::int32_t, N> s{};
-    std::array<std::int8_t, N> last_k{};  // of the last piece, limited to +-100
-    std::array<std::int8_t, N> sign{};    // of the last k that was not 0; -1, or 0 or 1 for plus
+    std::array<std::int8_t, N> last_k{};   // of the last piece, limited to +-100
+    std::array<std::int8_t, N> sign{};     // of the last k that was not 0; -1, or 0 or 1 for plus
     std::uint8_t last_code{code::to_end};  // of the last piece; a line as its quadratic
     std::uint8_t last_ticks{1};
     std::uint8_t phase{0};  // sub-ticks behind the whole tick; other than 0 only between jumps
@@ -102,8 +102,7 @@ constexpr void remember(State<N>& state, const Piece<N>& piece) noexcept {
             state.sign[c] = static_cast<std::int8_t>(piece.k[c] > 0 ? 1 : -1);
     }
     const bool line = is_line(piece.code);
-    state.last_code =
-        static_cast<std::uint8_t>(line ? piece.code - curve::code::line : piece.code);
+    state.last_code = static_cast<std::uint8_t>(line ? piece.code - curve::code::line : piece.code);
     state.last_ticks =
         jumped ? std::uint8_t{1} : static_cast<std::uint8_t>(piece.subs / subs_per_tick);
     state.fresh = false;
@@ -119,8 +118,7 @@ constexpr bool step(State<N>& state, const Piece<N>& piece) noexcept {
     const std::int32_t h = jumped ? 1 : piece.subs / subs_per_tick;
     for (std::size_t c = 0; c < N; ++c) {
         const std::int64_t rise =
-            std::int64_t{piece.k[c]} +
-            (jumped ? 0 : predicted_rise(state.s[c], state.fresh, h));
+            std::int64_t{piece.k[c]} + (jumped ? 0 : predicted_rise(state.s[c], state.fresh, h));
         const std::int32_t most = jumped ? jump_max : rise_max;
         const std::int64_t v = state.v[c] + rise;
         if (rise > most || rise < -most || v > vertex_max || v < -vertex_max) return false;

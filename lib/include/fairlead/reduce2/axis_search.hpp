@@ -4,8 +4,8 @@
 // Values are in 1/1024 lattice steps against the origin of the window, times in ticks from its
 // start. A hypothesis at (tick, v, s) allows rises p of a piece of h ticks with
 //     |x - v - s a - (p - s h) (a / h)^2| <= radius   for every sample x at age a,
-// so that lo <= (p - s h) / h^2 <= hi with running lo and hi. Fresh pieces are cubics in a / h: their
-// bounds run for each length apart.
+// so that lo <= (p - s h) / h^2 <= hi with running lo and hi. Fresh pieces are cubics in a / h:
+// their bounds run for each length apart.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -49,7 +49,8 @@ class AxisSearch {
         open_count_ = 0;
         index_ = before_index_ = 0;
         back_[0][0] = {};
-        for (std::size_t i = 0; i < fresh_lo_.size(); ++i) fresh_lo_[i] = -far_away, fresh_hi_[i] = far_away;
+        for (std::size_t i = 0; i < fresh_lo_.size(); ++i)
+            fresh_lo_[i] = -far_away, fresh_hi_[i] = far_away;
         open_child(c, 0, 0, 0);
         open_[0].shape = shape_of(state);
     }
@@ -60,15 +61,17 @@ class AxisSearch {
         for (std::size_t i = 0; i < open_count_; ++i) {
             Open& o = open_[i];
             const float age = static_cast<float>(tick - o.tick) + part;
-            if (age > 0.0f && !(o.shape == Shape::fresh ? bound_fresh(o, age, x) : bound(o, age, x))) continue;
+            if (age > 0.0f &&
+                !(o.shape == Shape::fresh ? bound_fresh(o, age, x) : bound(o, age, x)))
+                continue;
             if (kept != i) open_[kept] = o;
             ++kept;
         }
         open_count_ = kept;
     }
 
-    /// Offers vertices at column `index`, tick `tick`. `told`: the frame ends here at a place that it
-    /// tells, so that the last k costs nothing.
+    /// Offers vertices at column `index`, tick `tick`. `told`: the frame ends here at a place that
+    /// it tells, so that the last k costs nothing.
     void column(std::size_t index, std::int32_t tick, const Level& level, bool end,
                 bool told) noexcept {
         before_ = column_[0];
@@ -231,8 +234,8 @@ class AxisSearch {
         bool any = false;
         for (std::size_t i = 0; i < fresh_count; ++i) {
             const bool listed = i < curve::length_count;
-            const float h = listed ? static_cast<float>(curve::lengths[i])
-                                   : static_cast<float>(guess_);
+            const float h =
+                listed ? static_cast<float>(curve::lengths[i]) : static_cast<float>(guess_);
             if (h < age || fresh_lo_[i] > fresh_hi_[i]) continue;
             const float w = age * (listed ? inverse_length[i] : 1.0f / h), rest = 1.0f - w;
             const float inverse = 1.0f / (w * w * (2.0f - w)), ahead = o.s * age * (rest * rest);
@@ -251,8 +254,9 @@ class AxisSearch {
         float low, high;
         const bool fresh = o.shape == Shape::fresh, line = o.shape == Shape::line;
         if (fresh) {
-            const std::size_t i =
-                index != curve::code::none ? index : h == guess_ ? curve::length_count : 99;
+            const std::size_t i = index != curve::code::none ? index
+                                  : h == guess_              ? curve::length_count
+                                                             : 99;
             if (i > curve::length_count) return;
             low = fresh_lo_[i];
             high = fresh_hi_[i];
@@ -265,10 +269,9 @@ class AxisSearch {
         const auto here = static_cast<float>(o.v);
         if (level.after > 0.0f) {
             const float bend = bend_likely * static_cast<float>(curve::fine) * level.after;
-            const Reach way_on =
-                reach(o.s, fresh || line, static_cast<float>(h),
-                      level.later - here * static_cast<float>(curve::fine), level.after,
-                      radius_ + bend * level.after);
+            const Reach way_on = reach(o.s, fresh || line, static_cast<float>(h),
+                                       level.later - here * static_cast<float>(curve::fine),
+                                       level.after, radius_ + bend * level.after);
             low = larger(low, way_on.low);
             high = smaller(high, way_on.high);
         }
@@ -315,8 +318,7 @@ class AxisSearch {
             const std::int32_t k = p - predicted;
             Cost cost = base;
             if (told) {
-                const float off =
-                    static_cast<float>((o.v + p) * curve::fine) - level.middle;
+                const float off = static_cast<float>((o.v + p) * curve::fine) - level.middle;
                 cost += static_cast<Cost>(seam_weight * approx::absolute(off) / radius_);
             } else {
                 cost += code::value_cost(row, k, o.sign);
@@ -339,7 +341,9 @@ class AxisSearch {
         c.parent_column = o.column;
         c.way = way;
         c.last_k = fresh ? std::int8_t{0}
-                         : static_cast<std::int8_t>(k > 100 ? 100 : k < -100 ? -100 : k);
+                         : static_cast<std::int8_t>(k > 100    ? 100
+                                                    : k < -100 ? -100
+                                                               : k);
         c.sign = k != 0 ? static_cast<std::int8_t>(k > 0 ? 1 : -1) : o.sign;
         c.last_code = code;
         c.last_ticks = static_cast<std::uint8_t>(h);
@@ -367,7 +371,8 @@ class AxisSearch {
         column_[at] = c;
     }
 
-    void open_child(const Child& c, std::int32_t tick, std::size_t index, std::size_t slot) noexcept {
+    void open_child(const Child& c, std::int32_t tick, std::size_t index,
+                    std::size_t slot) noexcept {
         if (open_count_ == open_max) {  // the dearest goes; a column's best always finds room
             std::size_t dearest = 0;
             for (std::size_t i = 1; i < open_count_; ++i)

@@ -3,9 +3,9 @@
 //
 // The search is a beam over vertices: every column (a tick with a sample) may hold a vertex, each
 // vertex is an open hypothesis of a piece that begins there, and takes each sample in constant time
-// by running bounds on its quadratic coefficient. At a column a hypothesis of a length from the list
-// closes: its bounds allow some lattice values for the vertex there. The cheapest few in bits are the
-// column's children, and open hypotheses of their own. Nothing is ever searched again.
+// by running bounds on its quadratic coefficient. At a column a hypothesis of a length from the
+// list closes: its bounds allow some lattice values for the vertex there. The cheapest few in bits
+// are the column's children, and open hypotheses of their own. Nothing is ever searched again.
 #include <cstddef>
 #include <cstdint>
 
@@ -55,11 +55,11 @@ constexpr Cost jump_bits_max(std::size_t components) noexcept {
 
 /// How the vertex of a child was reached.
 namespace how {
-inline constexpr std::uint8_t slot = 7;      // the parent's place in its column
-inline constexpr std::uint8_t line = 8;      // a straight line
-inline constexpr std::uint8_t jump = 16;     // a jump
-inline constexpr std::uint8_t to_end = 32;   // coded as "to the end of the frame"
-inline constexpr std::uint8_t rebase = 64;   // a rotation: the anchor moves behind the piece
+inline constexpr std::uint8_t slot = 7;     // the parent's place in its column
+inline constexpr std::uint8_t line = 8;     // a straight line
+inline constexpr std::uint8_t jump = 16;    // a jump
+inline constexpr std::uint8_t to_end = 32;  // coded as "to the end of the frame"
+inline constexpr std::uint8_t rebase = 64;  // a rotation: the anchor moves behind the piece
 }  // namespace how
 
 /// A piece as the search commits it; k follows from the walk along the curve.
@@ -79,13 +79,13 @@ constexpr std::uint8_t code_of(std::uint8_t way, std::int32_t h) noexcept {
     return line ? static_cast<std::uint8_t>(index + curve::code::line) : index;
 }
 
-/// A vertex must leave a way to the sample behind its column: as far as a piece bends in the time to
-/// it, in steps a tick^2.
+/// A vertex must leave a way to the sample behind its column: as far as a piece bends in the time
+/// to it, in steps a tick^2.
 inline constexpr float bend_likely = 2.0f;
 
 /// Bounds of a rise p so that the piece behind the vertex can reach a sample: from v + p with the
-/// slope at the end of a piece of h ticks (2 p / h - s, or p / h where it is the chord's) it must come
-/// within `room` of `later` after `after` ticks. s, room and later - v in the same unit as p.
+/// slope at the end of a piece of h ticks (2 p / h - s, or p / h where it is the chord's) it must
+/// come within `room` of `later` after `after` ticks. s, room and later - v in the same unit as p.
 struct Reach {
     float low, high;
 };
@@ -105,9 +105,9 @@ constexpr Shape shape_of(const curve::State<N>& s) noexcept {
 
 /// What a column of an axis knows beside the samples up to it, in 1/1024 steps.
 struct Level {
-    float middle{};                          // where the curve is likely to be
-    float low{-far_away}, high{far_away};    // bounds of the vertex
-    float later{}, after{0};                 // the sample behind it, this many ticks; 0: none
+    float middle{};                        // where the curve is likely to be
+    float low{-far_away}, high{far_away};  // bounds of the vertex
+    float later{}, after{0};               // the sample behind it, this many ticks; 0: none
 };
 
 }  // namespace fairlead::reduce2

@@ -2,11 +2,12 @@
 // The step that always exists: a chain of constants that holds any accepted samples.
 //
 // From a vertex at a whole tick to a later one, each part holds one lattice value over as many
-// samples as its tolerance allows; between two samples that contradict each other it is cut. Samples
-// keep 20 sub-ticks apart, so that a cut 10 sub-ticks behind a sample, or a whole tick between the
-// two, is always behind the one and before the other. The chain ends on a target, where the curve
-// goes on: where the last samples do not allow it, a last cut follows them. The same walk counts the
-// cost in the search and gives the pieces to the coder: it depends on samples, vertex and target.
+// samples as its tolerance allows; between two samples that contradict each other it is cut.
+// Samples keep 20 sub-ticks apart, so that a cut 10 sub-ticks behind a sample, or a whole tick
+// between the two, is always behind the one and before the other. The chain ends on a target, where
+// the curve goes on: where the last samples do not allow it, a last cut follows them. The same walk
+// counts the cost in the search and gives the pieces to the coder: it depends on samples, vertex
+// and target.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -31,8 +32,9 @@ class JumpWalk {
           sample_{first},
           last_{last} {}
 
-    /// The next part. Source: Fit fit(); Moment when(i). Fit: bool add(source, i), true for the first;
-    /// value(), a lattice value that holds all that were added; bool holds(v), whether v does.
+    /// The next part. Source: Fit fit(); Moment when(i). Fit: bool add(source, i), true for the
+    /// first; value(), a lattice value that holds all that were added; bool holds(v), whether v
+    /// does.
     template <class Source>
     bool next(const Source& source, curve::Piece<N>& piece) noexcept {
         if (from_ >= end_) return false;
@@ -45,7 +47,8 @@ class JumpWalk {
             const bool all = i >= last_, free = i == sample_;
             const auto v = free || (all && fit.holds(target_)) ? target_ : fit.value();
             until_ = !all ? cut(source.when(i - 1), source.when(i)) : end_;
-            if (all && v != target_) until_ = cut(source.when(i - 1), {end_ / curve::subs_per_tick});
+            if (all && v != target_)
+                until_ = cut(source.when(i - 1), {end_ / curve::subs_per_tick});
             if (until_ > end_ || until_ <= from_) until_ = end_;
             for (std::size_t c = 0; c < N; ++c) piece.k[c] = v[c] - v_[c];
             v_ = v;

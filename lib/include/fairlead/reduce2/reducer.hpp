@@ -4,7 +4,8 @@
 // The reducer decides when columns are due and where frames end; the channels search. A frame ends
 //   - when its oldest record has waited as long as the delay allows,
 //   - when its cost comes near to what a frame holds,
-//   - before a sample that its window cannot reach (range, 250 ticks), and where it must jump there,
+//   - before a sample that its window cannot reach (range, 250 ticks), and where it must jump
+//   there,
 //   - at a pause of a channel, at a change of channels, at the end.
 // All channels end at the same tick; a sample behind it is searched again in the next window. Every
 // push commits at most one frame, and does the work of one column.
@@ -21,9 +22,9 @@
 namespace fairlead::reduce2 {
 
 struct Window {
-    std::int32_t records{114};         // a frame is committed before its oldest record waits longer
-    std::int32_t gap_ticks{32};        // a longer pause of a channel ends its curve; <= 64
-    Cost cost_max{16 * 880};           // 1/16 bit; a frame ends where its cost passes this
+    std::int32_t records{114};   // a frame is committed before its oldest record waits longer
+    std::int32_t gap_ticks{32};  // a longer pause of a channel ends its curve; <= 64
+    Cost cost_max{16 * 880};     // 1/16 bit; a frame ends where its cost passes this
 };
 
 /// A frame ends at the next column where its cost comes this near to the most: there its end is
@@ -81,7 +82,8 @@ class Reducer {
 
     /// A record at t_ns: values of the channels whose bit in `valid` is set. Behind every earlier
     /// one of the run by at least curve::spacing_subs_min.
-    /// @param gaps channels, by bit, whose curve must end before this record; where its end, a whole
+    /// @param gaps channels, by bit, whose curve must end before this record; where its end, a
+    /// whole
     ///     tick, would not be before the record, it goes on
     /// @param seam how a frame that ends now should hand over; frame().seam tells what was granted
     /// @param drain called before a frame is committed while an earlier one has not been released:
@@ -129,8 +131,7 @@ class Reducer {
             if (full || nearly) ++counts_.cost;
             return commit(column_, seam, drain);
         }
-        if (waiting_ >= window_.records && column_ > 0)
-            return commit(column_, seam, drain);
+        if (waiting_ >= window_.records && column_ > 0) return commit(column_, seam, drain);
         return false;
     }
 
@@ -203,7 +204,8 @@ class Reducer {
     }
     template <class Drain>
     bool end_curves(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
-        bool all = true, part = false;  // do all curves end; has one that ends samples in the window?
+        bool all = true,
+             part = false;  // do all curves end; has one that ends samples in the window?
         std::int32_t tick = 0;
         each([&](auto& c, auto index) {
             if (!c.active()) return;

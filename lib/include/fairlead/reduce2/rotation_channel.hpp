@@ -171,8 +171,8 @@ class RotationChannel {
         c.rebase = (step.how & how::rebase) != 0;
         const std::uint8_t code = code_of(step.how, step.ticks);
         if (code == curve::code::jump) {
-            c.walk = JumpWalk<3>{c.state.chart.v, {step.v[0], step.v[1], step.v[2]},
-                                 c.tick,          to, first, c.sample};
+            c.walk = JumpWalk<3>{
+                c.state.chart.v, {step.v[0], step.v[1], step.v[2]}, c.tick, to, first, c.sample};
             c.tick = to;
             c.jumping = true;
             return next_part(piece);
@@ -290,8 +290,7 @@ class RotationChannel {
             const bool told = frame_told_ && !jump && cursor_.step == frame_steps_;
             for (std::size_t a = 0; a < 3; ++a) {
                 const auto v = static_cast<float>(jump ? cursor_.state.chart.v[a] : before.v[a]);
-                const float end =
-                    told ? target_[a] : static_cast<float>(cursor_.state.chart.v[a]);
+                const float end = told ? target_[a] : static_cast<float>(cursor_.state.chart.v[a]);
                 k.v[a] = v;
                 k.c[a] = curve::polynomial<float>(piece.code, before.fresh, before.s[a], end - v,
                                                   piece.subs / curve::subs_per_tick);
@@ -353,14 +352,14 @@ class RotationChannel {
         for (std::size_t i = 0; i < samples_.count(); ++i) {
             if (i < first_samples_) continue;
             const Place y = samples_.value(i);
-            const Quat q = old_anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_,
-                                                                  y[2] * step_});
+            const Quat q =
+                old_anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
             samples_.value(i) = curve::place(state_.anchor, q, step_);
             bound(i);
         }
     }
-    /// Commits the window at its last column and goes on about the vertex there; a column follows in
-    /// the same push, so that a frame never ends where a chart begins.
+    /// Commits the window at its last column and goes on about the vertex there; a column follows
+    /// in the same push, so that a frame never ends where a chart begins.
     void rechart() noexcept {
         const Line line = trend(column_tick_);
         const std::size_t best = search_.choose(line.value, line.slope, false);
@@ -404,8 +403,8 @@ class RotationChannel {
         else
             search_.grow(tick - start_tick_);
     }
-    /// The last column again, as the end of a frame that tells it: what has not died since closes on
-    /// the place of the grid, or a jump leads there.
+    /// The last column again, as the end of a frame that tells it: what has not died since closes
+    /// on the place of the grid, or a jump leads there.
     void offer_again() noexcept {
         typename Search::At at;
         at.index = columns_;
@@ -421,8 +420,8 @@ class RotationChannel {
     /// The frame ends at the place of the grid nearest to where the samples are.
     void tell(typename Search::At& at) noexcept {
         const Place& y = at.middle;
-        const Quat q = state_.anchor *
-                       from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
+        const Quat q =
+            state_.anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
         end_grid_ = curve::to_grid(normalised(q), step_);
         end_anchor_ = curve::from_grid(end_grid_, step_);
         target_ = curve::place(state_.anchor, end_anchor_, step_);
@@ -448,8 +447,7 @@ class RotationChannel {
         if (search_.count() > 0) {
             Cost least = search_.before_cost() + jump_code_cost_min + code::tick_cost;
             for (std::size_t a = 0; a < 3; ++a)
-                least += code::jump_value_cost(
-                    static_cast<std::int32_t>(middle[a]) - state.v[a]);
+                least += code::jump_value_cost(static_cast<std::int32_t>(middle[a]) - state.v[a]);
             if (search_.cost() <= least) return;
         }
         std::array<std::int32_t, 3> target;
@@ -484,7 +482,8 @@ class RotationChannel {
         state_.chart = search_.state(best);
         if (told) {
             segment_.end_grid = end_grid_;
-            curve::land(state_, end_anchor_, curve::place(state_.anchor, end_anchor_, step_), step_);
+            curve::land(state_, end_anchor_, curve::place(state_.anchor, end_anchor_, step_),
+                        step_);
             state_.chart.forget(seam == Seam::restart);
         } else {
             curve::rebase(state_, step_);
@@ -529,7 +528,8 @@ class RotationChannel {
     std::int32_t start_tick_{0}, frame_tick_{0}, column_tick_{0}, end_tick_{0};
     std::size_t columns_{0}, first_samples_{0}, step_count_{0}, frame_steps_{0};
     Cost spent_{0};
-    bool active_{false}, starts_{false}, last_{false}, told_{false}, frame_told_{false}, far_{false};
+    bool active_{false}, starts_{false}, last_{false}, told_{false}, frame_told_{false},
+        far_{false};
 };
 
 }  // namespace fairlead::reduce2

@@ -1,10 +1,10 @@
 #pragma once
 // Search of rotations: beam.hpp for pieces of three components in a chart about an anchor.
 //
-// Places are floats in lattice steps. Running bounds hold for each component apart, so that they are
-// necessary; before a vertex is offered, the whole piece is compared with the samples in the ball of
-// the tolerance. These comparisons are the dear part: the cheapest candidates come first, and a
-// budget a column bounds them.
+// Places are floats in lattice steps. Running bounds hold for each component apart, so that they
+// are necessary; before a vertex is offered, the whole piece is compared with the samples in the
+// ball of the tolerance. These comparisons are the dear part: the cheapest candidates come first,
+// and a budget a column bounds them.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,9 +21,9 @@ class RotationSearch {
   public:
     static constexpr std::size_t width = BeamT::width;
     static constexpr std::size_t open_max = BeamT::open;
-    static constexpr int tries_max = 6;    // candidates of a hypothesis that are compared
-    static constexpr int offers_max = 3;   // of these, how many it may offer
-    static constexpr int budget = 300;     // comparisons with samples a column, once it has a child
+    static constexpr int tries_max = 6;   // candidates of a hypothesis that are compared
+    static constexpr int offers_max = 3;  // of these, how many it may offer
+    static constexpr int budget = 300;    // comparisons with samples a column, once it has a child
     static constexpr int budget_hard = 600;
 
     struct Child {
@@ -261,9 +261,8 @@ class RotationSearch {
                 high = smaller(high, at.middle[a] + radius_ - here);
             }
             if (at.after > 0.0f) {
-                const Reach way_on =
-                    reach(o.s[a], fresh || line, hf, at.later[a] - here, at.after,
-                          radius_ + bend_likely * at.after * at.after);
+                const Reach way_on = reach(o.s[a], fresh || line, hf, at.later[a] - here, at.after,
+                                           radius_ + bend_likely * at.after * at.after);
                 low = larger(low, way_on.low);
                 high = smaller(high, way_on.high);
             }
@@ -285,7 +284,8 @@ class RotationSearch {
         }
         std::array<Candidate, tries_max + 1> candidates;
         int n = cheapest(state, code, h, base, first, last, predicted, candidates);
-        if (n == tries_max) {  // none of the cheapest may fit: the middle of the bounds is likely to
+        if (n ==
+            tries_max) {  // none of the cheapest may fit: the middle of the bounds is likely to
             price(middle, state, code, h, base, predicted);
             candidates[tries_max] = middle;
             ++n;
@@ -312,8 +312,7 @@ class RotationSearch {
         const auto hf = static_cast<float>(h);
         for (std::size_t a = 0; a < 3; ++a) {
             p[a] = (*at.told)[a] - static_cast<float>(o.v[a]);
-            const float bend =
-                (p[a] - o.s[a] * hf) / (o.shape == Shape::line ? hf : hf * hf);
+            const float bend = (p[a] - o.s[a] * hf) / (o.shape == Shape::line ? hf : hf * hf);
             if (o.shape != Shape::fresh && (bend < o.lo[a] || bend > o.hi[a])) return;
         }
         if (work_ > (column_count_ > 0 ? budget : budget_hard)) return;
@@ -360,7 +359,8 @@ class RotationSearch {
         }
         return n;
     }
-    static int insert(std::array<Candidate, tries_max + 1>& all, int n, const Candidate& c) noexcept {
+    static int insert(std::array<Candidate, tries_max + 1>& all, int n,
+                      const Candidate& c) noexcept {
         int i = n;
         if (n == tries_max) {
             if (all[tries_max - 1].cost <= c.cost) return n;
@@ -374,9 +374,8 @@ class RotationSearch {
         return n;
     }
 
-    static void price(Candidate& c, const curve::State<3>& state, std::uint8_t code,
-                      std::int32_t h, Cost base,
-                      const std::array<std::int32_t, 3>& predicted) noexcept {
+    static void price(Candidate& c, const curve::State<3>& state, std::uint8_t code, std::int32_t h,
+                      Cost base, const std::array<std::int32_t, 3>& predicted) noexcept {
         c.cost = base;
         bool before = false;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -428,7 +427,9 @@ class RotationSearch {
             n.v[a] = static_cast<std::int16_t>(o.v[a] + c.p[a]);
             n.s[a] = curve::slope_after(o.slope[a], o.shape != Shape::quadratic, c.p[a], h);
             n.last_k[a] = o.shape == Shape::fresh ? std::int8_t{0}
-                                  : static_cast<std::int8_t>(k > 100 ? 100 : k < -100 ? -100 : k);
+                                                  : static_cast<std::int8_t>(k > 100    ? 100
+                                                                             : k < -100 ? -100
+                                                                                        : k);
             n.sign[a] = k != 0 ? static_cast<std::int8_t>(k > 0 ? 1 : -1) : o.sign[a];
         }
         n.cost = static_cast<std::uint16_t>(c.cost < cost_limit ? c.cost : cost_limit);
@@ -444,8 +445,8 @@ class RotationSearch {
         const float most = radius_ + bend_likely * at.after * at.after;
         float sum = 0;
         for (std::size_t a = 0; a < 3; ++a) {
-            const float there = static_cast<float>(n.v[a]) +
-                                static_cast<float>(n.s[a]) * slope_steps * at.after;
+            const float there =
+                static_cast<float>(n.v[a]) + static_cast<float>(n.s[a]) * slope_steps * at.after;
             sum += (at.later[a] - there) * (at.later[a] - there);
         }
         return sum <= most * most;
@@ -495,7 +496,8 @@ class RotationSearch {
         column_[at] = c;
     }
 
-    void open_child(const Child& c, std::int32_t tick, std::size_t index, std::size_t slot) noexcept {
+    void open_child(const Child& c, std::int32_t tick, std::size_t index,
+                    std::size_t slot) noexcept {
         if (open_count_ == open_max) {  // the dearest goes; a column's best always finds room
             std::size_t dearest = 0;
             for (std::size_t i = 1; i < open_count_; ++i)

@@ -11,8 +11,7 @@ namespace fairlead::reduce2 {
 
 /// At most this many samples lie behind one column before the next is
 /// offered: two ticks of the closest spacing.
-inline constexpr std::size_t between_max =
-    2 * curve::subs_per_tick / curve::spacing_subs_min + 1;
+inline constexpr std::size_t between_max = 2 * curve::subs_per_tick / curve::spacing_subs_min + 1;
 /// A jump over them has at most this many parts: a cut each, and ticks between.
 inline constexpr std::size_t jump_parts_max = 3 * between_max;
 /// Pushes in which a committed frame may be checked and coded.

@@ -5,8 +5,8 @@
 namespace fairlead::reduce2 {
 
 enum class Seam : std::uint8_t {
-    carry,        // the next frame goes on with the state of this one
-    restart,      // the frame tells where it ends; who joins draws from the second piece of the next
+    carry,    // the next frame goes on with the state of this one
+    restart,  // the frame tells where it ends; who joins draws from the second piece of the next
     independent,  // likewise, and the next frame tells its slope too: it can be decoded alone
 };
 

@@ -51,7 +51,8 @@ class VectorChannel {
         scale_ = curve::Scale::of_step(1.2f * tolerance);
         const double steps = static_cast<double>(tolerance) / scale_.step();
         full_radius_ = static_cast<float>(steps * curve::fine);
-        radius_ = full_radius_ * (1.0f - 0x1p-20f) - 1.0f;  // samples are rounded to 1/2, and floats
+        radius_ =
+            full_radius_ * (1.0f - 0x1p-20f) - 1.0f;  // samples are rounded to 1/2, and floats
     }
     const curve::Scale& scale() const noexcept { return scale_; }
 
@@ -80,8 +81,8 @@ class VectorChannel {
         bound(at, value);
     }
 
-    /// Can the window hold this value? Where not, the frame must end before it; in a window that has
-    /// just begun the value then stalls the channel until the next column, where it jumps.
+    /// Can the window hold this value? Where not, the frame must end before it; in a window that
+    /// has just begun the value then stalls the channel until the next column, where it jumps.
     bool reaches(const Value& value) const noexcept {
         constexpr std::int64_t most = std::int64_t{window_steps_max} << curve::fine_bits;
         for (std::size_t a = 0; a < D; ++a) {
@@ -123,8 +124,8 @@ class VectorChannel {
         if (column_tick_ < to) offer(to, true, asked == Seam::restart && !last_, nullptr, nullptr);
         return asked;
     }
-    /// Commits the window, after close(), and begins the next at `tick`, where samples behind it are
-    /// searched again.
+    /// Commits the window, after close(), and begins the next at `tick`, where samples behind it
+    /// are searched again.
     void commit(std::int32_t tick, Seam seam, std::int32_t guess) noexcept {
         cursor_ = {};
         check_ = {};
@@ -187,8 +188,8 @@ class VectorChannel {
         const std::uint8_t code = code_of(step.how, step.ticks);
         if (code == curve::code::jump) {
             const std::int32_t end = segment_.start[axis].v[0] + step.v[0];
-            c.walk = JumpWalk<1>{c.state.v, {hard_ ? segment_.end_v[axis] : end},
-                                 c.tick,    to, first, c.sample};
+            c.walk = JumpWalk<1>{c.state.v, {hard_ ? segment_.end_v[axis] : end}, c.tick, to, first,
+                                 c.sample};
             c.jumping = true;
             c.tick = to;
             return next_part(axis, piece);
@@ -203,9 +204,9 @@ class VectorChannel {
         return true;
     }
 
-    /// Compares some samples of the committed frame with its curve, as a decoder draws it: the proof
-    /// of each frame, in portions. Uses next(): rewind() before coding. @return true: all are done;
-    /// failures() counts samples outside the tolerance, which the search's margin excludes.
+    /// Compares some samples of the committed frame with its curve, as a decoder draws it: the
+    /// proof of each frame, in portions. Uses next(): rewind() before coding. @return true: all are
+    /// done; failures() counts samples outside the tolerance, which the search's margin excludes.
     bool check(std::size_t samples) noexcept {
         Check& k = check_;
         for (; k.axis < D; ++k.axis, k.sample = 0, k.piece = {}, k.to = k.from = 0) {
@@ -292,8 +293,8 @@ class VectorChannel {
             return whole + (at.part - part / static_cast<float>(curve::subs_per_tick));
         };
         for (std::size_t i = 0; i <= Window * jump_parts_max && behind(k.to) > 0.0f; ++i) {
-            k.before = cursor_.begun && cursor_.axis == k.axis ? cursor_.state
-                                                               : segment_.start[k.axis];
+            k.before =
+                cursor_.begun && cursor_.axis == k.axis ? cursor_.state : segment_.start[k.axis];
             k.from = k.to;
             if (!next(k.axis, k.piece)) return false;
             k.to = k.from + k.piece.subs;
@@ -301,10 +302,9 @@ class VectorChannel {
         }
         const bool constant = k.from == k.to || k.piece.code == curve::code::jump;
         const std::int64_t v = constant ? k.v : k.before.v[0];
-        const auto c = curve::polynomial<float>(constant ? curve::code::jump : k.piece.code,
-                                                k.before.fresh, k.before.s[0],
-                                                static_cast<float>(k.v - v),
-                                                k.piece.subs / curve::subs_per_tick);
+        const auto c = curve::polynomial<float>(
+            constant ? curve::code::jump : k.piece.code, k.before.fresh, k.before.s[0],
+            static_cast<float>(k.v - v), k.piece.subs / curve::subs_per_tick);
         const std::int64_t x = scale_.to_fine(samples_.old_value(k.sample)[k.axis]);
         const auto d = static_cast<float>(x - v * curve::fine);
         const float rise = c.rise(behind(k.from)) * static_cast<float>(curve::fine);
@@ -350,8 +350,8 @@ class VectorChannel {
             search_[a].sample(at.tick - start_tick_, at.part, relative(a, value));
     }
 
-    /// A column at `tick`. later: the sample behind it that made it due, not yet kept; null where the
-    /// newest sample is at or before the tick, or none is known.
+    /// A column at `tick`. later: the sample behind it that made it due, not yet kept; null where
+    /// the newest sample is at or before the tick, or none is known.
     void offer(std::int32_t tick, bool end, bool told, const curve::Moment* later,
                const Value* later_value) noexcept {
         if (columns_ >= Window + 1) return;
@@ -411,7 +411,7 @@ class VectorChannel {
         const float m = middle * (1.0f / curve::fine);
         const std::int32_t target =
             state_[a].v[0] + static_cast<std::int32_t>(m < 0 ? m - 0.5f : m + 0.5f);
-        JumpWalk<1> walk{{v + state_[a].v[0]}, {target},         ticks_[columns_ - 1], tick,
+        JumpWalk<1> walk{{v + state_[a].v[0]}, {target},        ticks_[columns_ - 1], tick,
                          column_samples_,      samples_.count()};
         curve::State<1> state = search.before_state(columns_ == 1);
         state.v[0] += state_[a].v[0];

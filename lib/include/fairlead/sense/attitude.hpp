@@ -362,11 +362,8 @@ class BasicAttitude {
                    bool usable) noexcept {
         if (usable) {
             const Vector force = axes * accel;
-            const Real x = dt * force.x, y = dt * force.y;
-            s_.velocity_m_s[0] += x;
-            s_.velocity_m_s[1] += y;
-            s_.sums.push[0] += x;
-            s_.sums.push[1] += y;
+            s_.velocity_m_s[0] += dt * force.x;
+            s_.velocity_m_s[1] += dt * force.y;
             s_.sums.lift += dt * force.z;
             return;
         }

@@ -38,16 +38,13 @@ inline bool thaws(const AliveState<Real>& s, const BasicVec3<Real>& accel) noexc
 template <class Real>
 inline void count_repeats(AliveState<Real>& s, const BasicVec3<Real>& gyro,
                           const BasicVec3<Real>& accel) noexcept {
-    const bool x = approx::same(gyro.x, s.gyro.x), y = approx::same(gyro.y, s.gyro.y),
-               z = approx::same(gyro.z, s.gyro.z), a = same_vector(accel, s.accel);
-    if (x || y || z || a || s.repeating) {
-        const auto run = [](bool same, std::uint16_t n) {
-            return static_cast<std::uint16_t>(!same ? 0 : n < 0xFFFF ? n + 1 : n);
-        };
-        s.gyro_runs = {run(x, s.gyro_runs[0]), run(y, s.gyro_runs[1]), run(z, s.gyro_runs[2])};
-        s.accel_runs = run(a, s.accel_runs);
-        s.repeating = x || y || z || a;
-    }
+    const auto run = [](bool same, std::uint16_t n) {
+        return static_cast<std::uint16_t>(!same ? 0 : n < 0xFFFF ? n + 1 : n);
+    };
+    s.gyro_runs = {run(approx::same(gyro.x, s.gyro.x), s.gyro_runs[0]),
+                   run(approx::same(gyro.y, s.gyro.y), s.gyro_runs[1]),
+                   run(approx::same(gyro.z, s.gyro.z), s.gyro_runs[2])};
+    s.accel_runs = run(same_vector(accel, s.accel), s.accel_runs);
     s.gyro = gyro;
     s.accel = accel;
 }

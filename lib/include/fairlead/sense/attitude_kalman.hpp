@@ -102,7 +102,7 @@ class KalmanStep {
             p(State::heading, State::tilt + 1) = kept * tilt2;
             p(State::heading, State::velocity) = kept * both;
         }
-        s.velocity_m_s = {};
+        s.velocity_m_s = s.velocity_from_m_s = {};
         s.correction = {};
         s.slice = idle;
         s.sums = {};
@@ -118,11 +118,11 @@ class KalmanStep {
         auto& m = s.means;
         m.time = w.time;
         m.rate = (1 / w.time) * w.turn;
+        watch_force(s, params);
         take_drive(s, params);
-        m.velocity = s.velocity_m_s;
+        m.velocity = s.velocity_from_m_s = s.velocity_m_s;
         m.middle = s.q_wb * turn_quat(real(-0.5f) * w.turn, dot(w.turn, w.turn) / 4);
         if constexpr (has_field) close_field(s.field);
-        watch_force(s, params);
         watch_rest(s, params);
 
         auto& p = s.covariance;
@@ -250,7 +250,9 @@ class KalmanStep {
     static void watch_force(State& s, const Params& params) noexcept {
         const auto& w = s.sums;
         const Real share = w.time / (std::min(s.force_s, real(params.force_s)) + w.time);
-        const BasicVec3<Real> force = (1 / w.time) * BasicVec3<Real>{w.push[0], w.push[1], w.lift};
+        const BasicVec3<Real> force =
+            (1 / w.time) * BasicVec3<Real>{s.velocity_m_s[0] - s.velocity_from_m_s[0],
+                                           s.velocity_m_s[1] - s.velocity_from_m_s[1], w.lift};
         s.force_m_s2 += share * (force - s.force_m_s2);
         s.force_s += w.time;
         s.tilted_s = force_is_off(s, params.force_lost) ? s.tilted_s + w.time : Real{0};
@@ -365,6 +367,8 @@ class KalmanStep {
         const auto& x = s.correction;
         const BasicVec3<Real> turn{x[State::tilt], x[State::tilt + 1], 0};
         auto& v = s.velocity_m_s;
+        // what the window has gathered of force stays as it was
+        const Real east = v[0] - s.velocity_from_m_s[0], north = v[1] - s.velocity_from_m_s[1];
         v[0] += x[State::velocity] + s.sums.lift * turn.y;
         v[1] += x[State::velocity + 1] - s.sums.lift * turn.x;
         BasicQuat<Real> q = turn_quat(turn, dot(turn, turn));
@@ -375,6 +379,7 @@ class KalmanStep {
             q = about * q;
             s.field.sum = rotate(q, s.field.sum);
         }
+        s.velocity_from_m_s = {v[0] - east, v[1] - north};
         s.q_wb = normalised(q * s.q_wb);
         follow_bias(s, params);
         const Real limit = real(params.bias_max_rad_s);

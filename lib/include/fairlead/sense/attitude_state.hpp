@@ -21,10 +21,9 @@ enum class AttitudePhase : std::uint8_t { empty, aligning, running };
 /// Sums over the running window, at full rate.
 template <class Real>
 struct WindowSums {
-    BasicVec3<Real> turn{};      // of the body's rotation vectors
-    Real turn2{};                // of their squared lengths
-    std::array<Real, 2> push{};  // of the horizontal specific force, times dt
-    Real lift{};                 // of the vertical specific force, times dt
+    BasicVec3<Real> turn{};  // of the body's rotation vectors
+    Real turn2{};            // of their squared lengths
+    Real lift{};             // of the vertical specific force, times dt
     Real time{};
     Real doubt_angle2{};  // variance that missing or clipped readings add
     Real doubt_velocity2{};
@@ -92,7 +91,6 @@ struct AliveState {
     BasicVec3<Real> gyro{}, accel{};
     std::array<std::uint16_t, 3> gyro_runs{};  // repetitions of each axis
     std::uint16_t accel_runs{};
-    bool repeating{};  // any of them does
     bool gyro_dead{}, accel_dead{};
 };
 
@@ -127,7 +125,8 @@ struct AttitudeState {
     BasicVec3<Real> bias_rad_s{};
     BasicSym3<Real> gyro_matrix{};  // rate = (1 - matrix) (gyro - bias): scale and shear
     BasicVec3<Real> rate_rad_s{};
-    std::array<Real, 2> velocity_m_s{};  // east, north: a bounded stand-in, not navigation
+    std::array<Real, 2> velocity_m_s{};       // east, north: a bounded stand-in, not navigation
+    std::array<Real, 2> velocity_from_m_s{};  // where the running window began
     Covariance<Real, size> covariance{};
     std::array<Real, size> correction{};  // found by the slices so far
     WindowSums<Real> sums{};
