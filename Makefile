@@ -330,3 +330,5 @@ test-packages: setup-packages arduino ## use the installed library from outside,
 .PHONY: clean
 clean:           ## remove everything that was built
 	rm -rf build
+
+include tests/tables/tables.mk
