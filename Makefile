@@ -291,6 +291,13 @@ attitude-counts: ## [compile script cortex-m cortex-m-emulator] instructions of 
 	+@$(TARGET) images $(BUILD)/target/count.so CORES=m4f SUBJECTS='attitude attitude_imu'
 	@tests/target/attitude_counts.py --build $(BUILD)/target --recordings $(RECORDINGS)
 
+# TABLE_NOTE stands in the generated file; a change of the tables is a change of the stream's format
+.PHONY: tables
+TABLE_RECORDINGS ?= $(call sources,$(RECORDINGS)/tracker120/*.trk)
+TABLE_NOTE       ?= the 13 recordings of tracker120 (BROAD): delays 60 to 240 records, 1 to 5 mm, 0.25 to 1 deg
+tables: $(BUILD)/libsim.a $(BUILD)/librecording.a ## [build reference script] train the tables of symbol costs on TABLE_RECORDINGS (minutes)
+	@tests/tables/train $(BUILD) lib/include/fairlead/code/tables.hpp '$(TABLE_NOTE)' 3 $(TABLE_RECORDINGS)
+
 ##@ Cortex-M and RISC-V under an emulator (docs/target.md, docs/bounds.md)
 TARGET = $(MAKE) -f tests/target/target.mk BUILD=$(BUILD)/target
 CORE  ?= m4f

@@ -17,7 +17,7 @@
 #include "fairlead/reduce2/reducer.hpp"
 #include "fairlead/reduce2/rotation_channel.hpp"
 #include "host_sim/baselines/track.hpp"
-#include "host_sim/stream.hpp"
+#include "host_sim/recording/recording.hpp"
 
 namespace {
 

@@ -435,8 +435,20 @@ class RotationChannel {
         at.middle = samples_.value(at.last - 1);
         const curve::Moment m = samples_.when(at.last - 1);
         const float gone = static_cast<float>(tick - m.tick) - m.part;
-        at.known = gone < 1.0f / 32.0f || at.after > 0.0f;
-        if (!(gone > 0.0f) || !(at.after > 0.0f)) return;
+        at.known = true;
+        if (!(gone > 0.0f)) return;
+        if (!(at.after > 0.0f)) {  // on from the last two samples, a little way
+            if (at.last < 2 || at.last < first_samples_ + 2 || gone > 0.2f) {
+                at.known = false;
+                return;
+            }
+            const curve::Moment n = samples_.when(at.last - 2);
+            const float apart = static_cast<float>(m.tick - n.tick) + (m.part - n.part);
+            const Place& before = samples_.value(at.last - 2);
+            for (std::size_t a = 0; a < 3; ++a)
+                at.middle[a] += (at.middle[a] - before[a]) * (gone / apart);
+            return;
+        }
         for (std::size_t a = 0; a < 3; ++a)
             at.middle[a] += (at.later[a] - at.middle[a]) * (gone / (gone + at.after));
     }

@@ -388,8 +388,15 @@ class VectorChannel {
         const curve::Moment at = samples_.when(last - 1);
         const float gone = static_cast<float>(tick - at.tick) - at.part;
         if (gone > 0.0f) {
-            if (!ahead) return level;
-            level.middle += (level.later - level.middle) * (gone / (gone + level.after));
+            if (!ahead) {  // on from the last two samples, a little way
+                if (last < 2 || gone > 0.2f || !reaches(samples_.value(last - 2))) return level;
+                const curve::Moment n = samples_.when(last - 2);
+                const float apart = static_cast<float>(at.tick - n.tick) + (at.part - n.part);
+                const auto before = static_cast<float>(relative(a, samples_.value(last - 2)));
+                level.middle += (level.middle - before) * (gone / apart);
+            } else {
+                level.middle += (level.later - level.middle) * (gone / (gone + level.after));
+            }
         }
         const float r = search_[a].radius();
         level.low = level.middle - r;
