@@ -100,7 +100,8 @@ $(eval $(call program,bench-peers,$(call sources,host_sim/bench_peers/*.cpp) $(S
 $(eval $(call program,bench-smooth,host_sim/bench_smooth/smooth.cpp $(call sources,host_sim/baselines/filters/*.cpp),,-lbenchmark))
 $(eval $(call program,bench-attitude,$(call sources,host_sim/bench_attitude/*.cpp host_sim/baselines/ahrs/*.cpp),sim))
 $(eval $(call program,pipeline-search,tests/pipeline/search.cpp))
-$(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp),sim,$(GOOGLE_TEST)))
+ATTITUDE_TRIALS := $(addprefix host_sim/bench_attitude/,locks.cpp motions.cpp simulated.cpp)  # simulated devices
+$(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp) $(ATTITUDE_TRIALS),sim,$(GOOGLE_TEST)))
 $(eval $(call program,tests/port,$(call sources,tests/port/*.cpp) examples/record/writer.cpp,port sim,-lgpiod $(GOOGLE_TEST)))
 $(eval $(call program,tests/gateway,$(call sources,tests/gateway/*.cpp),gateway port sim,$(GOOGLE_TEST) $(GATEWAY_LIBS)))
 $(eval $(call program,tests/peers,$(call sources,tests/peers/*.cpp) $(PEERS_TESTED),peers sim,$(GOOGLE_TEST) -lz))

@@ -10,6 +10,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/curve/scale.hpp"
+#include "fairlead/math/approx.hpp"
 #include "fairlead/reduce2/beam.hpp"
 
 namespace fairlead::reduce2 {

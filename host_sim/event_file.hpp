@@ -1,2 +1,0 @@
-#pragma once
-#include "host_sim/recording/event_file.hpp"
