@@ -71,7 +71,8 @@ class StreamCheck {
     }
     bool good() const {
         return violations == 0 && late == 0 && uncovered == 0 && encoder.overflows() == 0 &&
-               decoder.frame_counters().losses == 0 && decoder.counters().nonsense == 0;
+               encoder.check_failures() == 0 && decoder.frame_counters().losses == 0 &&
+               decoder.counters().nonsense == 0;
     }
 
   private:

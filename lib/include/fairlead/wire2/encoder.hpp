@@ -1,8 +1,8 @@
 #pragma once
 // Records in, frames out: the reducer, the frames that carry what it commits, headers, events.
 //
-// A frame that the reducer has committed is coded in portions during the pushes that follow, so
-// that no push does the work of a whole frame; it has left `spare` pushes later at the latest. What
+// A frame that the reducer has committed is compared with its samples in the push that follows, and
+// coded in the one after, `spare` pushes later: no push does all the work of a frame. What
 // of the delay remains is the reducer's window. Header frames and event frames leave before data
 // frames of the same push.
 #include <array>
@@ -127,7 +127,7 @@ class Encoder {
         else if (coding_ && ++waited_ >= spare_)
             finish_frame();
         else if (coding_)
-            code_pieces(portion_);
+            check_frame();
         if (coding_ && spare_ == 0) finish_frame();
         let_out_events(size_ > 0 ? 0 : params_.event_delay_records);
         return bytes();
@@ -166,6 +166,10 @@ class Encoder {
     std::uint32_t restarts() const noexcept { return restarts_; }
     /// Frames that did not fit into their bytes: never, by the bound of their cost.
     std::uint32_t overflows() const noexcept { return overflows_; }
+    /// Samples that a committed curve did not hold within its tolerance: never.
+    std::uint32_t check_failures() const noexcept {
+        return failures(std::index_sequence_for<Channels...>{});
+    }
     std::uint32_t refused_events() const noexcept { return events_.refused(); }
     std::uint16_t run() const noexcept { return run_; }
 
@@ -196,8 +200,6 @@ class Encoder {
         window.gap_ticks = static_cast<std::int32_t>(limits(params_).gap_ns / tick);
         window.cost_max = 16 * (8 * payload_max - overhead_bits - column_bits);
         reducer_.configure(window);
-        const auto pieces = static_cast<std::uint32_t>((axes + rotations) * window_max);
-        portion_ = spare_ > 0 ? (pieces + spare_ - 1) / spare_ : pieces;
     }
 
     // ---- runs
@@ -342,11 +344,9 @@ class Encoder {
             grids_[range.first] = coder.told_grid[range.first];
         }
     }
-    /// At most so many pieces. @return true: all of the frame is coded.
-    bool code_pieces(std::uint32_t most) noexcept {
-        for (; most > 0 && coded_ && !writer_.done(); --most)
+    void code_pieces() noexcept {
+        while (coded_ && !writer_.done())
             coded_ = code_piece(std::index_sequence_for<Channels...>{});
-        return !coded_ || writer_.done();
     }
     template <std::size_t... I>
     bool code_piece(std::index_sequence<I...>) noexcept {
@@ -362,11 +362,32 @@ class Encoder {
         return channel.next(track, piece) && writer_.piece(piece);
     }
 
+    /// Compares a portion of the committed frame's samples with its curve, as a decoder draws it.
+    /// @return true: all of them.
+    bool check_frame() noexcept { return check_frame(std::index_sequence_for<Channels...>{}); }
+    template <std::size_t... I>
+    bool check_frame(std::index_sequence<I...>) noexcept {
+        bool all = true;
+        ((all = reducer_.template channel<I>().check(samples_checked) && all), ...);
+        return all;
+    }
+    template <std::size_t... I>
+    void rewind(std::index_sequence<I...>) noexcept {
+        (reducer_.template channel<I>().rewind(), ...);
+    }
+    template <std::size_t... I>
+    std::uint32_t failures(std::index_sequence<I...>) const noexcept {
+        return (0u + ... + reducer_.template channel<I>().failures());
+    }
+    static constexpr std::size_t samples_checked = 64;
+
     void finish_frame() noexcept {
         if (!coding_) return;
         coding_ = false;
-        while (!code_pieces(portion_)) {
+        for (std::size_t i = 0; i < window_max && !check_frame(); ++i) {
         }
+        rewind(std::index_sequence_for<Channels...>{});
+        code_pieces();
         const std::size_t size = coded_ ? writer_.close() : 0;
         reducer_.release();
         if (size == 0 || out_max - size_ < size + header_max + EventSender<Events>::frame_max) {
@@ -411,7 +432,7 @@ class Encoder {
     std::array<std::uint8_t, out_max> out_{};
     std::int64_t now_ns_{0}, header_ns_{0}, restart_ns_{0}, period_ns_{0};
     std::size_t size_{0};
-    std::uint32_t spare_{0}, waited_{0}, portion_{1};
+    std::uint32_t spare_{0}, waited_{0};
     std::uint32_t frames_{0}, restarts_{0}, overflows_{0};
     std::uint16_t run_{0};
     bool good_{false}, running_{false}, coding_{false}, coded_{false};
