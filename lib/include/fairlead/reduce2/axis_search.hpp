@@ -241,7 +241,8 @@ class AxisSearch {
             if (h < age || fresh_lo_[i] > fresh_hi_[i]) continue;
             const float w = age * (listed ? inverse_length[i] : 1.0f / h), rest = 1.0f - w;
             const float inverse = 1.0f / (w * w * (2.0f - w)), ahead = o.s * age * (rest * rest);
-            const float e = radius_ - (approx::absolute(d) + approx::absolute(ahead)) * (4.0f * rounding);
+            const float e =
+                radius_ - (approx::absolute(d) + approx::absolute(ahead)) * (4.0f * rounding);
             const float a = (d - ahead - e) * inverse, b = (d - ahead + e) * inverse;
             if (a > fresh_lo_[i]) fresh_lo_[i] = a;
             if (b < fresh_hi_[i]) fresh_hi_[i] = b;
