@@ -150,7 +150,7 @@ $(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
 TEST_PROGRAMS := $(addprefix $(BUILD)/tests/,unit port gpio1 gpio2 gateway peers)
 TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/setup/test_*.py tests/must_fail/test_*.py)
 TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/attitude examples/filter examples/reduce examples/decode)
-test: $(TESTED) ## [build demo script gateway test reference] build and run all tests that need no other machine
+test: $(TESTED) ## [build demo script gateway test] build and run all tests that need no other machine
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 
 ##@ Build
@@ -176,11 +176,11 @@ TARGETS ?= demo test
 RUN_AS  ?= both
 fresh-machine: ## [fresh] run TARGETS="demo test" on a bare Debian 12 made for it, as root and as a user with sudo (RUN_AS=root|user|both)
 	@.ci/fresh-machine --as $(RUN_AS) $(TARGETS)
-test-clang: ## [build demo script gateway test reference clang] the same tests, built with clang++
+test-clang: ## [build demo script gateway test clang] the same tests, built with clang++
 	+@$(MAKE) test BUILD=build/clang CXX=clang++
-test-sanitize: ## [build demo script gateway test reference clang sanitize] the same tests under AddressSanitizer and UBSan
+test-sanitize: ## [build demo script gateway test clang sanitize] the same tests under AddressSanitizer and UBSan
 	+@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-g -D_GLIBCXX_ASSERTIONS -fsanitize=address,undefined -fno-sanitize-recover=all'
-test-strain: $(BUILD)/tests/strain ## [build reference] hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
+test-strain: $(BUILD)/tests/strain ## [build] hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
 	@tests/run $(BUILD)/tests/strain
 same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
 	@tests/sim/test_same_bytes.py $(wildcard $(RECORDINGS)/tracker120/*.trk)
@@ -201,9 +201,9 @@ STREAMS ?= 1000
 SEED    ?= 1
 pipeline-search: $(BUILD)/pipeline-search ## [compile] lead random streams through whole pipelines and judge them from the bytes (STREAMS=1000 SEED=1)
 	@$< --streams $(STREAMS) --seed $(SEED)
-mutants: $(BUILD)/libsim.a ## [build script test reference] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
+mutants: $(BUILD)/libsim.a ## [build script test] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
 	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
-fuzz: $(FUZZ_TARGETS) ## [build clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
+fuzz: $(FUZZ_TARGETS) ## [build gateway clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
 
 .PHONY: browser-test
@@ -258,7 +258,7 @@ tidy: ## [tidy compile] clang-tidy over the library
 MINUTES     ?= 1
 FUZZ_CONFIG := $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp toml_parser.cpp text_file.cpp) \
                $(addprefix port/linux/,modbus_net.cpp serial.cpp i2c.cpp i2c_smbus.cpp spidev.cpp) tests/fuzz/config.cpp
-fuzz-config: ## [build gateway clang sanitize] search for a configuration that stops the gateway, for MINUTES=1
+fuzz-config: ## [gateway clang sanitize] search for a configuration that stops the gateway, for MINUTES=1
 	@mkdir -p $(BUILD)/fuzz/config && cp examples/gateway/gateway.toml $(BUILD)/fuzz/config/
 	clang++ $(BASE) -Wno-everything -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $(FUZZ_CONFIG) -o $(BUILD)/fuzz/fuzz-config
 	$(BUILD)/fuzz/fuzz-config -dict=tests/fuzz/toml.dict -max_len=4096 -timeout=5 -max_total_time=$$(( 60 * $(MINUTES) )) $(BUILD)/fuzz/config
@@ -278,15 +278,15 @@ compare: sim ## [demo] our causal filters beside their rivals, on all recordings
 	@cp $(BUILD)/compare/compare_06*.svg docs/img/compare.svg
 experiments: sim ## [demo] rerun the papers' experiments: rewrites the tables and plots of docs/experiments
 	$(BUILD)/fairlead-sim experiment all --out docs/experiments
-attitude-table: $(BUILD)/bench-attitude ## [build reference] measure orientation on all recordings and rewrite the tables of docs/attitude.md
+attitude-table: $(BUILD)/bench-attitude ## [build] measure orientation on all recordings and rewrite the tables of docs/attitude.md
 	$< table $(RECORDINGS) --into docs/attitude.md
-attitude-foreign: $(BUILD)/bench-attitude ## [build reference] orientation on other devices and simulations, beside other filters: tables of docs/attitude.md
+attitude-foreign: $(BUILD)/bench-attitude ## [build] orientation on other devices and simulations, beside other filters: tables of docs/attitude.md
 	$(BUILD)/bench-attitude foreign $(RECORDINGS)/foreign --into docs/attitude.md
-attitude-smooth: $(BUILD)/bench-attitude ## [build reference] what smoothing is worth, whole recordings and fixed lags: table of docs/attitude.md
+attitude-smooth: $(BUILD)/bench-attitude ## [build] what smoothing is worth, whole recordings and fixed lags: table of docs/attitude.md
 	$(BUILD)/bench-attitude smooth $(RECORDINGS) --into docs/attitude.md
-attitude-locks: $(BUILD)/bench-attitude ## [build reference] 1000 starts in motion, 1000 upside-down losses: no wrong state may last (minutes)
+attitude-locks: $(BUILD)/bench-attitude ## [build] 1000 starts in motion, 1000 upside-down losses: no wrong state may last (minutes)
 	$(BUILD)/bench-attitude locks --into docs/attitude.md
-attitude-day: $(BUILD)/bench-attitude ## [build reference] a day of recordings on end: float beside double, covariance positive throughout
+attitude-day: $(BUILD)/bench-attitude ## [build] a day of recordings on end: float beside double, covariance positive throughout
 	$< day $(RECORDINGS)
 attitude-counts: ## [compile script cortex-m cortex-m-emulator] instructions of an attitude sample on a Cortex-M4F, all recordings, against their budgets
 	+@$(TARGET) images $(BUILD)/target/count.so CORES=m4f SUBJECTS='attitude attitude_imu'
@@ -296,7 +296,7 @@ attitude-counts: ## [compile script cortex-m cortex-m-emulator] instructions of 
 .PHONY: tables
 TABLE_RECORDINGS ?= $(call sources,$(RECORDINGS)/tracker120/*.trk)
 TABLE_NOTE       ?= the 13 recordings of tracker120 (BROAD): delays 60 to 240 records, 1 to 5 mm, 0.25 to 1 deg
-tables: $(BUILD)/libsim.a $(BUILD)/librecording.a ## [build reference script] train the tables of symbol costs on TABLE_RECORDINGS (minutes)
+tables: $(BUILD)/libsim.a $(BUILD)/librecording.a ## [build script] train the tables of symbol costs on TABLE_RECORDINGS (minutes)
 	@tests/tables/train $(BUILD) lib/include/fairlead/code/tables.hpp '$(TABLE_NOTE)' 3 $(TABLE_RECORDINGS)
 
 ##@ Cortex-M and RISC-V under an emulator (docs/target.md, docs/bounds.md)

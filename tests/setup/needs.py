@@ -45,6 +45,12 @@ MARKS = {
     "libmodbus-dev": header("modbus/") + r"|-lmodbus\b",
     "libsystemd-dev": header("systemd/") + r"|-lsystemd\b",
     "libtomlplusplus-dev": header("toml++/"),
+    "libcpp-httplib-dev": header("httplib.h"),
+    # pages: libraries that are embedded in them, and a browser to test them
+    "libjs-dygraphs": r"/usr/share/[\w/]*dygraph", "libjs-three": r"/usr/share/[\w/]*three",
+    "chromium": r'"chromium"', "chromium-driver": r'"chromedriver"', "python3-selenium": r"from selenium",
+    # the Debian package of the programs
+    "dpkg-dev": r"\bdpkg-shlibdeps\b", "lintian": word("lintian"),
     # Modbus clients
     "mbpoll": word("mbpoll"), "python3-pymodbus": r"from pymodbus", "python3-serial-asyncio": r"from pymodbus",
     # microcontrollers; the RISC-V build borrows the headers of the Arm one
@@ -82,7 +88,8 @@ def text_of(path):
 
 @functools.cache
 def system_headers(path):
-    """The lines '#include <...>' of a source file and of all project headers that it includes."""
+    """The lines '#include <...>' of a source file and of all project headers that it includes, and the paths of the
+    system's files that they embed."""
     found, seen, open_files = set(), set(), [path]
     while open_files:
         file = open_files.pop()
@@ -90,6 +97,7 @@ def system_headers(path):
             continue
         seen.add(file)
         found |= set(re.findall(r"^#include <[^>]+>", text_of(file), re.MULTILINE))
+        found |= set(re.findall(r'"/usr/share/[^"]+"', text_of(file)))
         for name in re.findall(r'^#include [<"]([^>"]+)[>"]', text_of(file), re.MULTILINE):
             open_files += [folder / name for folder in (file.parent, ROOT, ROOT / "lib/include")]
     return frozenset(found)
