@@ -1,5 +1,6 @@
 #include "host_sim/recording/text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -239,7 +240,8 @@ std::string described(const Layout& layout) {
 }
 
 void note_resolution(const Layout& layout, const Fields& fields, Recording& recording) {
-    for (std::size_t i = 0; i < fields.size(); ++i) {
+    // a first row may have more fields than there are columns: it is refused later
+    for (std::size_t i = 0; i < std::min(fields.size(), layout.columns.size()); ++i) {
         const Column& c = layout.columns[i];
         if (c.role != Role::time || fields[i].find_first_of("eE") == std::string_view::npos)
             continue;
