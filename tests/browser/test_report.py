@@ -199,7 +199,7 @@ def test_rotation_vectors_do_not_jump(folder):
 
 def test_a_long_recording_stays_small_and_opens_fast(folder):
     """194 s of an IMU at 285.7 Hz: below 4 MB; how long it takes to open is printed."""
-    spec = "model:icm42688p+rate:285.714+rest:4+" + "+".join(["reach:0.8:20", "oscillate:20:1.2", "turn:1.5:6"] * 4) + "+rest:5"
+    spec = "model:icm42688p+rate:285.714+rest:4+" + "+".join(["reach:0.8:20", "oscillate:20:1.2", "turn:1.5:6"] * 5) + "+rest:5"
     with Browser(folder) as page:
         opened(page, folder, spec, "")
         page.shot("report_long")

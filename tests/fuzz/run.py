@@ -69,7 +69,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--executions-min", type=int, default=0, help="fewer executions of a target are a failure")
     parser.add_argument("--keep", action="store_true", help="renew the committed corpus")
-    args = parser.parse_args()
+    args = parser.parse_intermixed_args()
     chosen = args.targets or targets()
     print(f"fuzzing {len(chosen)} targets for {args.seconds} s each, seed {args.seed}", flush=True)
     failed, total = False, 0
