@@ -15,6 +15,7 @@ MAKEFLAGS += -j$(or $(shell getconf _NPROCESSORS_ONLN 2>/dev/null),2) --no-print
 endif
 
 BUILD      ?= build
+export PYTHONDONTWRITEBYTECODE := 1  # a run leaves the tree as it was
 RECORDINGS ?= ../shared/recordings
 
 # ---- flags

@@ -10,7 +10,7 @@ struct Board {
     using Channels = fairlead::Channels<fairlead::Orientation>;
     using Filter = fairlead::PoseFilter<5>;               // centred: 2 samples late
     static constexpr std::size_t delay_records_max = 32;  // samples: 0.32 s
-    static constexpr fairlead::Beam beam = fairlead::Beam::small;
+    static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
     static constexpr std::size_t events_max = 0;  // a board without buttons
 };
 using Pipeline = fairlead::Pipeline2<Board>;

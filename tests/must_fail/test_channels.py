@@ -13,7 +13,7 @@ struct Board {
     using Channels = fairlead::Channels<fairlead::%s>;
     using Filter = fairlead::NoFilter;
     static constexpr std::size_t delay_records_max = 32;
-    static constexpr fairlead::Beam beam = fairlead::Beam::small;
+    static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
     static constexpr std::size_t events_max = %d;
 };
 fairlead::Pipeline2<Board>* made;

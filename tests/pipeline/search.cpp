@@ -60,14 +60,14 @@ Verdict stream(std::uint64_t seed, int records) {
     test::Streams s{seed};
 #ifdef QUICK
     s.below(6);
-    return run<BoardOf<Channels<Position>, 60, Beam::small>>(s, records);
+    return run<BoardOf<Channels<Position>, 60, Beam::narrow>>(s, records);
 #endif
     switch (s.below(6)) {
         case 0: return run<BoardOf<Both, 120, Beam::medium>>(s, records);
-        case 1: return run<BoardOf<Channels<Position>, 60, Beam::small>>(s, records);
-        case 2: return run<BoardOf<Channels<Orientation>, 16, Beam::small>>(s, records);
-        case 3: return run<BoardOf<Both, 32, Beam::small, PoseFilter<5>>>(s, records);
-        case 4: return run<BoardOf<Channels<Orientation>, 240, Beam::large>>(s, records);
+        case 1: return run<BoardOf<Channels<Position>, 60, Beam::narrow>>(s, records);
+        case 2: return run<BoardOf<Channels<Orientation>, 16, Beam::narrow>>(s, records);
+        case 3: return run<BoardOf<Both, 32, Beam::narrow, PoseFilter<5>>>(s, records);
+        case 4: return run<BoardOf<Channels<Orientation>, 240, Beam::wide>>(s, records);
         default: return run<BoardOf<Channels<Position>, 240, Beam::medium>>(s, records);
     }
 }

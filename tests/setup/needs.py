@@ -113,7 +113,7 @@ def script_text(path):
             if (folder / f"{name}.py").is_file() and folder / f"{name}.py" != path:
                 text += script_text(folder / f"{name}.py")
     for name in set(re.findall(r"[\w/]+(?:\.py)?\b", text)):  # files beside it: linux_vm/stub.py, compilers/cells
-        file = path.parent / name
+        file = path.parent / name.lstrip("/")
         if file != path and (file.suffix == ".py" or f'"{name}"' in text or f"/{name}" in text) and file.is_file():
             text += script_text(file)
     if "tests/target/target.mk" in text:

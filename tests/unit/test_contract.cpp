@@ -21,7 +21,7 @@ struct Board {
     using Channels = fairlead::Channels<Position, Orientation>;
     using Filter = NoFilter;
     static constexpr std::size_t delay_records_max = 60;
-    static constexpr Beam beam = Beam::small;
+    static constexpr Beam beam = Beam::narrow;
     static constexpr std::size_t events_max = 0;
 };
 using Check60 = test::PipelineCheck<Board>;

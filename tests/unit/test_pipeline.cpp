@@ -84,7 +84,7 @@ struct BoardOf {
     using Channels = Chosen;
     using Filter = AFilter;
     static constexpr std::size_t delay_records_max = 120;
-    static constexpr Beam beam = Beam::small;
+    static constexpr Beam beam = Beam::narrow;
     static constexpr std::size_t events_max = 4;
 };
 using PoseBoard = BoardOf<Pose, Channels<Position, Orientation>>;

@@ -42,7 +42,7 @@ struct Imu {};
 
 /// Width of the search for few bytes: more hypotheses cost work and RAM, and save bytes.
 /// docs/parameters.md has the figures.
-enum class Beam : std::uint8_t { small, medium, large };
+enum class Beam : std::uint8_t { narrow, medium, wide };
 
 /// Leaves records as they are.
 struct NoFilter {
@@ -166,8 +166,8 @@ constexpr bool check_board() noexcept {
                   "the board lacks `static constexpr std::size_t "
                   "delay_records_max`: the longest delay, in records");
     static_assert(has_beam<Board>,
-                  "the board lacks `static constexpr Beam beam`: small, medium or "
-                  "large");
+                  "the board lacks `static constexpr Beam beam`: narrow, medium or "
+                  "wide");
     static_assert(has_events<Board>,
                   "the board lacks `static constexpr std::size_t events_max`: "
                   "discrete events that may wait; 0 for none");

@@ -20,7 +20,7 @@ namespace detail {
 
 template <Beam beam>
 using BeamOf =
-    std::conditional_t<beam == Beam::small, wire2::Small,
+    std::conditional_t<beam == Beam::narrow, wire2::Small,
                        std::conditional_t<beam == Beam::medium, wire2::Medium, wire2::Large>>;
 
 /// A channel of a board as the wire has it: its tag, its value in a record, its bits there.

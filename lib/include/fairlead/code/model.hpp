@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
 #include "fairlead/curve/state.hpp"
 
 namespace fairlead::code {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
 #include "fairlead/code/model.hpp"
 #include "fairlead/code/range_coder.hpp"
 #include "fairlead/curve/rotation.hpp"

@@ -15,6 +15,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead::code {
 
 /// The largest total of a frequency table is 2^total_bits_max.

@@ -56,7 +56,7 @@ inline void judge_alive(AliveState<Real>& s, const AttitudeParams& p, const Basi
     // eight repetitions at least: a slow sensor needs longer than a fast one
     const auto times = [period](float seconds) {
         return (std::max)(
-            8, static_cast<int>(std::min(static_cast<Real>(seconds) / period, Real{60000})));
+            8, static_cast<int>((std::min)(static_cast<Real>(seconds) / period, Real{60000})));
     };
     const int axis = times(p.dead_axis_s), all = times(p.dead_sensor_s);
     const auto turning = [&](Real rate, Real b) {

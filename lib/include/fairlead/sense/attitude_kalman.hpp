@@ -249,7 +249,7 @@ class KalmanStep {
     /// The mean specific force: whatever the motion, it points up in the end.
     static void watch_force(State& s, const Params& params) noexcept {
         const auto& w = s.sums;
-        const Real share = w.time / (std::min(s.force_s, real(params.force_s)) + w.time);
+        const Real share = w.time / ((std::min)(s.force_s, real(params.force_s)) + w.time);
         const BasicVec3<Real> force =
             (1 / w.time) * BasicVec3<Real>{s.velocity_m_s[0] - s.velocity_from_m_s[0],
                                            s.velocity_m_s[1] - s.velocity_from_m_s[1], w.lift};

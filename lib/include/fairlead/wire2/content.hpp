@@ -410,8 +410,9 @@ class Content {
                           float step) noexcept {
         const Quat q = curve::from_grid(grid, step);
         const std::array<std::int32_t, 3> zero{};
-        return q.w == state.anchor.w && q.x == state.anchor.x && q.y == state.anchor.y &&
-               q.z == state.anchor.z && state.chart.v == zero;
+        const Quat& a = state.anchor;
+        return approx::same(q.w, a.w) && approx::same(q.x, a.x) && approx::same(q.y, a.y) &&
+               approx::same(q.z, a.z) && state.chart.v == zero;
     }
     /// The first vertex of a curve. An encoder has set it as the state.
     bool start_curve(Io& io, const Layout& layout, States& states,
