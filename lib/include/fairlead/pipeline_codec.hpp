@@ -67,11 +67,11 @@ class StreamEncoderOf;
 template <class Board, class... Channel>
 class StreamEncoderOf<Board, Channels<Channel...>> {
     template <class C>
-    using Wire = WireChannel<C, Board::beam>;
+    using Carried = WireChannel<C, Board::beam>;
     using Inner = wire2::Encoder<Board::delay_records_max - 1, Board::events_max,
-                                 typename Wire<Channel>::Tag...>;
-    static_assert(((tolerance_min<Channel> == Wire<Channel>::Tag::tolerance_min &&
-                    tolerance_max<Channel> == Wire<Channel>::Tag::tolerance_max) &&
+                                 typename Carried<Channel>::Tag...>;
+    static_assert(((tolerance_min<Channel> == Carried<Channel>::Tag::tolerance_min &&
+                    tolerance_max<Channel> == Carried<Channel>::Tag::tolerance_max) &&
                    ...),
                   "the ranges of tolerances are those of the channels");
 
@@ -106,8 +106,8 @@ class StreamEncoderOf<Board, Channels<Channel...>> {
             if (whole || (record.flags & gap)) gaps |= bit;
             bit <<= 1;
         };
-        (note(Wire<Channel>::valid, Wire<Channel>::gap), ...);
-        return inner_.push(record.t_ns, {Wire<Channel>::value(record)...}, valid, gaps,
+        (note(Carried<Channel>::valid, Carried<Channel>::gap), ...);
+        return inner_.push(record.t_ns, {Carried<Channel>::value(record)...}, valid, gaps,
                            (record.flags & flag::new_run) != 0);
     }
     Bytes idle() noexcept { return inner_.idle(); }
@@ -136,7 +136,7 @@ class StreamEncoderOf<Board, Channels<Channel...>> {
                                                    std::uint32_t delay_records) noexcept {
         typename Inner::Params p;
         p.sample_period_ns = period_ns;
-        p.tolerance = {Wire<Channel>::tolerance(stream.tolerance)...};
+        p.tolerance = {Carried<Channel>::tolerance(stream.tolerance)...};
         p.delay_records = delay_records;
         p.restart_interval_ns = stream.restart_interval_ns;
         p.header_interval_ns = stream.header_interval_ns;

@@ -51,7 +51,7 @@ class Reducer {
     static constexpr std::int32_t frame_ticks_max = 250;
 
     static constexpr std::int32_t records_max =
-        std::min({static_cast<std::int32_t>(Channels::window)...});
+        (std::min)({static_cast<std::int32_t>(Channels::window)...});
     static constexpr std::int32_t records_min = 4;
 
     /// Records and pause are limited to what the channels hold.
@@ -62,13 +62,13 @@ class Reducer {
         if (window_.gap_ticks > curve::gap_ticks_max) window_.gap_ticks = curve::gap_ticks_max;
         if (window_.gap_ticks < 1) window_.gap_ticks = 1;
     }
-    template <std::size_t I>
+    template <std::size_t Index>
     auto& channel() noexcept {
-        return std::get<I>(channels_);
+        return std::get<Index>(channels_);
     }
-    template <std::size_t I>
+    template <std::size_t Index>
     const auto& channel() const noexcept {
-        return std::get<I>(channels_);
+        return std::get<Index>(channels_);
     }
 
     /// A new run with a grid of its own; nothing is open.
@@ -153,13 +153,13 @@ class Reducer {
     }
 
   private:
-    template <class F>
-    void each(F&& f) noexcept {
+    template <class Visit>
+    void each(Visit&& f) noexcept {
         each(f, std::index_sequence_for<Channels...>{});
     }
-    template <class F, std::size_t... I>
-    void each(F& f, std::index_sequence<I...>) noexcept {
-        (f(std::get<I>(channels_), std::integral_constant<std::size_t, I>{}), ...);
+    template <class Visit, std::size_t... Index>
+    void each(Visit& f, std::index_sequence<Index...>) noexcept {
+        (f(std::get<Index>(channels_), std::integral_constant<std::size_t, Index>{}), ...);
     }
 
     /// Ticks from `tick` to where the frame is likely to end.

@@ -335,11 +335,11 @@ class RotationChannel {
     }
     void keep(const curve::Moment& at, const Quat& q) noexcept {
         const Place y = curve::place(state_.anchor, q, step_);
-        far_ = far_ || far(y);
+        far_ = far_ || is_far(y);
         samples_.push(at, y);
         newest_ = at;
     }
-    bool far(const Place& y) const noexcept {
+    bool is_far(const Place& y) const noexcept {
         const float most = curve::chart_angle_max / step_;
         return y[0] * y[0] + y[1] * y[1] + y[2] * y[2] > most * most;
     }

@@ -39,7 +39,7 @@ class BasicAttitude {
     explicit BasicAttitude(const AttitudeParams& params = {}) noexcept : params_{params} {
         FAIRLEAD_ASSERT(check(params) == Status::ok);
         constexpr float longest_s = 2.0f;  // a step in ns fits 32 bits
-        gap_ns_max_ = static_cast<std::int32_t>(std::min(params.gap_s_max, longest_s) * 1e9f);
+        gap_ns_max_ = static_cast<std::int32_t>((std::min)(params.gap_s_max, longest_s) * 1e9f);
         reset();
     }
 
@@ -80,7 +80,7 @@ class BasicAttitude {
     void drive(const Vec3& velocity_b_m_s, float sigma_m_s) noexcept {
         if (!is_finite(velocity_b_m_s) || !approx::is_finite(sigma_m_s)) return;
         constexpr float sigma_min = 0.01f;
-        const auto sigma = static_cast<Real>(std::max(sigma_m_s, sigma_min));
+        const auto sigma = static_cast<Real>((std::max)(sigma_m_s, sigma_min));
         auto& d = s_.drive;
         d.fresh = d.fresh || !d.known;
         d.velocity_m_s = widen(velocity_b_m_s);

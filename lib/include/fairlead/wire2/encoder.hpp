@@ -190,9 +190,9 @@ class Encoder {
     static_assert(8 * payload_max > overhead_bits + column_bits + 400,
                   "the channels are too many for a frame");
 
-    template <std::size_t... I>
-    void configure(std::index_sequence<I...>) noexcept {
-        (reducer_.template channel<I>().configure(params_.tolerance[I]), ...);
+    template <std::size_t... Index>
+    void configure(std::index_sequence<Index...>) noexcept {
+        (reducer_.template channel<Index>().configure(params_.tolerance[Index]), ...);
         reduce2::Window window;
         // the oldest record of a frame waits for records - 1 pushes, and for the coding
         window.records = static_cast<std::int32_t>(params_.delay_records - spare_ + 1);
@@ -230,9 +230,9 @@ class Encoder {
         header_.starts = false;
         events_.repeat();
     }
-    template <std::size_t... I>
+    template <std::size_t... Index>
     void lay_out(Tracks<axes, rotations>& layout, StreamShape& shape,
-                 std::index_sequence<I...>) noexcept {
+                 std::index_sequence<Index...>) noexcept {
         std::uint8_t axis = 0, rotation = 0;
         const auto one = [&](auto index, const auto& channel, bool rotates, std::uint8_t count) {
             constexpr std::size_t i = decltype(index)::value;
@@ -253,7 +253,7 @@ class Encoder {
                     for (std::uint8_t k = 0; k < count; ++k) layout.scale[axis++] = scale;
             }
         };
-        (one(std::integral_constant<std::size_t, I>{}, reducer_.template channel<I>(),
+        (one(std::integral_constant<std::size_t, Index>{}, reducer_.template channel<Index>(),
              Channels::rotations > 0, static_cast<std::uint8_t>(Channels::axes)),
          ...);
     }
@@ -298,8 +298,8 @@ class Encoder {
         coding_ = true;
         waited_ = 0;
     }
-    template <class Coder, std::size_t... I>
-    void prepare(Coder& coder, std::int32_t ticks, std::index_sequence<I...>) noexcept {
+    template <class Coder, std::size_t... Index>
+    void prepare(Coder& coder, std::int32_t ticks, std::index_sequence<Index...>) noexcept {
         std::size_t axis = 0, rotation = 0;
         const auto one = [&](auto index) {
             constexpr std::size_t i = decltype(index)::value;
@@ -330,7 +330,7 @@ class Encoder {
                 }
             }
         };
-        (one(std::integral_constant<std::size_t, I>{}), ...);
+        (one(std::integral_constant<std::size_t, Index>{}), ...);
         if constexpr (rotations > 0) keep_grids(coder);
     }
     /// An independent frame tells at its start the grid on which the frame before ended.
@@ -348,16 +348,17 @@ class Encoder {
         while (coded_ && !writer_.done())
             coded_ = code_piece(std::index_sequence_for<Channels...>{});
     }
-    template <std::size_t... I>
-    bool code_piece(std::index_sequence<I...>) noexcept {
+    template <std::size_t... Index>
+    bool code_piece(std::index_sequence<Index...>) noexcept {
         const auto place = writer_.place();
         bool good = false;
-        static_cast<void>(((place.channel == I && (good = piece_of<I>(place.track), true)) || ...));
+        static_cast<void>(
+            ((place.channel == Index && (good = piece_of<Index>(place.track), true)) || ...));
         return good;
     }
-    template <std::size_t I>
+    template <std::size_t Index>
     bool piece_of(std::size_t track) noexcept {
-        auto& channel = reducer_.template channel<I>();
+        auto& channel = reducer_.template channel<Index>();
         typename std::remove_reference_t<decltype(channel)>::PieceType piece{};
         return channel.next(track, piece) && writer_.piece(piece);
     }
@@ -365,19 +366,19 @@ class Encoder {
     /// Compares a portion of the committed frame's samples with its curve, as a decoder draws it.
     /// @return true: all of them.
     bool check_frame() noexcept { return check_frame(std::index_sequence_for<Channels...>{}); }
-    template <std::size_t... I>
-    bool check_frame(std::index_sequence<I...>) noexcept {
+    template <std::size_t... Index>
+    bool check_frame(std::index_sequence<Index...>) noexcept {
         bool all = true;
-        ((all = reducer_.template channel<I>().check(samples_checked) && all), ...);
+        ((all = reducer_.template channel<Index>().check(samples_checked) && all), ...);
         return all;
     }
-    template <std::size_t... I>
-    void rewind(std::index_sequence<I...>) noexcept {
-        (reducer_.template channel<I>().rewind(), ...);
+    template <std::size_t... Index>
+    void rewind(std::index_sequence<Index...>) noexcept {
+        (reducer_.template channel<Index>().rewind(), ...);
     }
-    template <std::size_t... I>
-    std::uint32_t failures(std::index_sequence<I...>) const noexcept {
-        return (0u + ... + reducer_.template channel<I>().failures());
+    template <std::size_t... Index>
+    std::uint32_t failures(std::index_sequence<Index...>) const noexcept {
+        return (0u + ... + reducer_.template channel<Index>().failures());
     }
     static constexpr std::size_t samples_checked = 64;
 

@@ -11,7 +11,7 @@
 namespace fairlead::wire2 {
 
 /// Never: no restart frames, or no header frames but the first.
-inline constexpr std::int64_t never_ns = std::numeric_limits<std::int64_t>::max();
+inline constexpr std::int64_t never_ns = (std::numeric_limits<std::int64_t>::max)();
 /// Restart interval of a stream whose frames all decode alone.
 inline constexpr std::int64_t every_frame_ns = 0;
 
