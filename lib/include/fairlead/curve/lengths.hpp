@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead::curve {
 
 /// Slopes are integers in units of 1/960 lattice step a tick.

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead::curve {
 
 /// Samples of vectors are compared as integers of 1/1024 step.

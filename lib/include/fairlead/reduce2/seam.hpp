@@ -2,6 +2,8 @@
 // How one frame hands over to the next.
 #include <cstdint>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead::reduce2 {
 
 enum class Seam : std::uint8_t {

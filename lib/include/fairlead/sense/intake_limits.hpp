@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "fairlead/base/compiler.hpp"
+
 namespace fairlead {
 
 /// The limits of the stages behind an intake. Defaults: no stage that needs a limit.
