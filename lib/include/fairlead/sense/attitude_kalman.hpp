@@ -387,7 +387,7 @@ class KalmanStep {
         const auto bias = [&](Real b, std::size_t i) {
             const Real found = b + x[State::bias + i], kept = (std::clamp)(found, -limit, limit);
             Real& variance = s.covariance(State::bias + i, State::bias + i);
-            if (kept != found) variance = (std::max)(variance, limit * limit);
+            if (!approx::same(kept, found)) variance = (std::max)(variance, limit * limit);
             return kept;
         };
         s.bias_rad_s = {bias(s.bias_rad_s.x, 0), bias(s.bias_rad_s.y, 1), bias(s.bias_rad_s.z, 2)};

@@ -128,14 +128,14 @@ class Intake {
         std::optional<Record> out;
         if (state_ == Held::accepted) out = held_;
         if (state_ == Held::doubtful) {
-            switch (clock_.weigh(held_.t_ns, record.t_ns, limits_)) {
-                case Clock::Doubt::open:
-                    refuse(record, repeats(record) ? Fault::repeated_time : Fault::too_close);
-                    refused_ = true;
-                    return std::nullopt;
-                case Clock::Doubt::wrong: refuse(held_, doubt_); break;
-                case Clock::Doubt::confirmed: out = admit(held_, Verdict::run); break;
+            const Clock::Doubt doubt = clock_.weigh(held_.t_ns, record.t_ns, limits_);
+            if (doubt == Clock::Doubt::open) {
+                refuse(record, repeats(record) ? Fault::repeated_time : Fault::too_close);
+                refused_ = true;
+                return std::nullopt;
             }
+            if (doubt == Clock::Doubt::wrong) refuse(held_, doubt_);
+            if (doubt == Clock::Doubt::confirmed) out = admit(held_, Verdict::run);
         }
         state_ = Held::none;
         const std::optional<Record> admitted = judge(record);
