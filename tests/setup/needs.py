@@ -53,6 +53,7 @@ MARKS = {
     "dpkg-dev": r"\bdpkg-shlibdeps\b", "lintian": word("lintian"),
     # Modbus clients
     "mbpoll": word("mbpoll"), "python3-pymodbus": r"from pymodbus", "python3-serial-asyncio": r"from pymodbus",
+    "nodejs": r'\["node", ',
     # microcontrollers; the RISC-V build borrows the headers of the Arm one
     "gcc-arm-none-eabi": ARM, "libnewlib-arm-none-eabi": ARM, "libstdc++-arm-none-eabi-newlib": ARM + "|" + RISCV,
     "gcc-riscv64-unknown-elf": RISCV, "picolibc-riscv64-unknown-elf": RISCV, "qemu-system-misc": RISCV,
