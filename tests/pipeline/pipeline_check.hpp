@@ -143,7 +143,9 @@ class PipelineCheck {
         const std::uint64_t push = sent_.front().push;
         sent_.pop_front();
         ++verdict_.accepted;
-        if (verdict_.accepted == 1 || (record.flags & flag::new_run)) ++runs_, ++verdict_.runs;
+        const std::uint16_t run = chain_->encoder().inner().run();
+        if (verdict_.accepted == 1 || run != run_) ++runs_, ++verdict_.runs;
+        run_ = run;
         const auto wait = [&](std::size_t queue, flag::Bits valid) {
             if ((record.flags & valid) == 0) return;
             ++verdict_.values;
@@ -158,6 +160,7 @@ class PipelineCheck {
         wire2::CurvePiece p;
         while (decoder_->next(p)) {
             verdict_.breaks += p.jumps && p.start != p.end;
+            if (p.start == p.end && !p.begins) continue;  // only tells that a curve has ended
             const std::size_t at = p.rotates ? dimension : p.axis;
             told_[at].push_back({decoder_->run_index(), grid.time_ns(p.start), grid.time_ns(p.end),
                                  static_cast<double>(grid.tick_ns()), p});
@@ -241,6 +244,7 @@ class PipelineCheck {
     std::array<std::deque<Waiting>, 2> waiting_{};
     std::array<std::deque<Told>, dimension + 1> told_{};
     std::uint32_t runs_{0};
+    std::uint16_t run_{0};
 };
 
 }  // namespace fairlead::test

@@ -48,16 +48,22 @@ class StreamCheck {
 
     void push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps = 0,
               bool new_run = false) {
-        if (new_run || pushes_ == 0) ++run_;
         ++pushes_;
+        const std::uint16_t before = encoder.run();
+        const Bytes out = encoder.push(t_ns, values, valid, gaps, new_run);
+        if (pushes_ == 1 || encoder.run() != before) ++run_;
         for (std::size_t c = 0; c < channels; ++c)
             if (valid >> c & 1u) waiting_[c].push_back({run_, pushes_, t_ns, values}), ++accepted;
-        take(encoder.push(t_ns, values, valid, gaps, new_run));
+        take(out);
         settle();
         for (auto& queue : waiting_) {
             if (queue.empty() || queue.front().push + params_.delay_records > pushes_) continue;
             if (late++ == 0) note("late", queue.front());
         }
+    }
+    void flush() {
+        take(encoder.flush());
+        settle();
     }
     void finish() {
         for (int i = 0; i < 4; ++i) take(encoder.flush());
@@ -108,6 +114,7 @@ class StreamCheck {
         while (decoder.next(p)) {
             ++pieces;
             breaks += p.jumps && p.start != p.end;
+            if (p.start == p.end && !p.begins) continue;  // only tells that a curve has ended
             track(p.channel, p.axis)
                 .push_back({decoder.run_index(), grid.time_ns(p.start), grid.time_ns(p.end),
                             static_cast<double>(grid.tick_ns()), p});

@@ -154,6 +154,51 @@ TEST(StreamEncoder, AnOrientationAlone) {
         2000);
 }
 
+TEST(StreamEncoder, RecordsWithoutAValueCountForTheDelay) {
+    // after a few records a channel is lost, all at once or one behind the other
+    for (const std::uint32_t delay : {8u, 16u, 24u, 60u, 120u}) {
+        for (const double spacing : {0.35, 0.5, 1.0, 1.7}) {
+            for (std::uint32_t some = 1; some < 40; some += 3) {
+                typename Both::Params params;
+                params.tolerance = {0.001f, 0.0044f};
+                params.delay_records = delay;
+                Checked<Both> run{params};
+                std::int64_t t = 0;
+                for (std::uint32_t i = 0; i < 3 * (some + 150); ++i) {
+                    const std::uint32_t at = i % (some + 150);
+                    const float x = 0.01f * std::sin(0.1f * static_cast<float>(i));
+                    const std::uint32_t valid = at < some ? 3 : at < some + some / 4 ? 2 : 0;
+                    run.push(t, {{x, -x, 0}, turned(x, 0, 0)}, valid, 0, i == 0);
+                    t += static_cast<std::int64_t>(spacing *
+                                                   static_cast<double>(params.sample_period_ns));
+                }
+                run.finish();
+                ASSERT_TRUE(run.check.good())
+                    << "delay " << delay << ", spacing " << spacing << ", " << some << ": "
+                    << run.check.first_fault << ", late " << run.check.late << ", overflows "
+                    << run.check.encoder.overflows();
+            }
+        }
+    }
+}
+
+TEST(StreamEncoder, AFlushMayComeAtAnyTime) {
+    for (const double spacing : {0.35, 0.5, 0.8, 1.0}) {
+        typename Both::Params params;
+        params.tolerance = {0.001f, 0.0044f};
+        Checked<Both> run{params};
+        std::int64_t t = 0;
+        for (int i = 0; i < 500; ++i) {
+            const float x = 0.01f * std::sin(0.1f * static_cast<float>(i));
+            run.push(t, {{x, -x, 0}, turned(x, 0, 0)}, 3, 0, i == 0);
+            t += static_cast<std::int64_t>(spacing * static_cast<double>(params.sample_period_ns));
+            if (i % 7 < 2) run.check.flush();
+        }
+        run.finish();
+        ASSERT_TRUE(run.check.good()) << "spacing " << spacing << ": " << run.check.first_fault;
+    }
+}
+
 TEST(StreamEncoder, RefusedParametersNameTheirField) {
     Both::Params params;
     params.tolerance = {0.001f, 0.0044f};

@@ -53,6 +53,8 @@ class Reducer {
     static constexpr std::int32_t records_max =
         (std::min)({static_cast<std::int32_t>(Channels::window)...});
     static constexpr std::int32_t records_min = 4;
+    /// So many records lie behind one and not behind the next column's tick, at most.
+    static constexpr std::int32_t records_a_tick = curve::subs_per_tick / curve::spacing_subs_min;
 
     /// Records and pause are limited to what the channels hold.
     void configure(const Window& window) noexcept {
@@ -78,10 +80,18 @@ class Reducer {
         waiting_ = behind_ = 0;
         column_ = due_ = 0;
         started_ = pending_ = false;
+        frame_ = {};
+    }
+    /// Do all curves end at a tick that is behind this time? Curves end at whole ticks: after
+    /// flush() a record may come before the tick. It needs a new run.
+    bool ended_behind(std::int64_t t_ns) const noexcept {
+        return !started_ && t_ns < grid_.time_ns(frame_.start_subs +
+                                                 std::int64_t{frame_.ticks} * curve::subs_per_tick);
     }
 
     /// A record at t_ns: values of the channels whose bit in `valid` is set. Behind every earlier
-    /// one of the run by at least curve::spacing_subs_min.
+    /// one of the run by at least curve::spacing_subs_min. A record without a value counts for the
+    /// delay of what waits.
     /// @param gaps channels, by bit, whose curve must end before this record; where its end, a
     /// whole
     ///     tick, would not be before the record, it goes on
@@ -92,8 +102,10 @@ class Reducer {
     template <class Drain>
     bool push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
               Seam seam, Drain&& drain) noexcept {
-        if ((valid & ((1u << channel_count) - 1u)) == 0) return false;
+        const bool empty = (valid & ((1u << channel_count) - 1u)) == 0;
         bool committed = started_ && pause(t_ns, gaps, seam, drain);
+        if (committed && empty) return true;
+        if (empty) return started_ && grow_older(t_ns, seam, drain);
         if (!started_) restart_grid(t_ns);
         curve::Moment at = grid_.moment(t_ns, start_);
         std::int32_t column = grid_.column(t_ns, start_);
@@ -227,6 +239,25 @@ class Reducer {
         });
         if (all) started_ = false;
         return false;
+    }
+    /// A record without a value: the window's samples have waited for one more. Where they have
+    /// waited long enough and the newest lies behind the last column, a frame ends at the tick
+    /// behind that sample as soon as no later record can be before this tick.
+    template <class Drain>
+    bool grow_older(std::int64_t t_ns, Seam seam, Drain& drain) noexcept {
+        if (waiting_ == 0) return false;
+        ++waiting_;
+        if (behind_ > 0) ++behind_;
+        if (waiting_ + records_a_tick < window_.records) return false;
+        std::int32_t last = 1;
+        each([&](const auto& channel, auto) {
+            if (channel.active()) last = (std::max)(last, channel.last_tick());
+        });
+        if (last <= grid_.column(t_ns, start_)) {
+            behind_ = 0;
+            return commit(last, seam, drain);
+        }
+        return waiting_ >= window_.records && column_ > 0 && commit(column_, seam, drain);
     }
     void restart_grid(std::int64_t t_ns) noexcept {
         start_ = grid_.subs(t_ns);

@@ -117,7 +117,7 @@ class Encoder {
                bool new_run) noexcept {
         size_ = 0;
         if (!good_) return {nullptr, 0, Status::bad_argument};
-        if (new_run || !running_) begin_run(t_ns);
+        if (new_run || !running_ || reducer_.ended_behind(t_ns)) begin_run(t_ns);
         const reduce2::Seam seam = seam_at(t_ns);
         const auto drain = [this] { finish_frame(); };
         const bool committed = reducer_.push(t_ns, values, valid, gaps, seam, drain);
@@ -142,7 +142,8 @@ class Encoder {
         let_out_events(params_.event_delay_records);
         return bytes();
     }
-    /// Lets everything out; what comes later starts new curves.
+    /// Lets everything out; what comes later starts new curves. Where it comes within a tick, it
+    /// begins a new run.
     Bytes flush() noexcept {
         size_ = 0;
         if (!good_) return {nullptr, 0, Status::bad_argument};
