@@ -1,32 +1,37 @@
-// Bytes in, curve out: the far end of the wire keeps the newest piece and evaluates it.
-#include <fairlead/pipeline.hpp>
-#include <fairlead/reduce/evaluate.hpp>
-#include <fairlead/wire/decoder.hpp>
+// Bytes in, curve out: the far end of the wire keeps the newest pieces and evaluates them.
+#include <fairlead/pipeline2.hpp>
+#include <fairlead/wire2/live.hpp>
 
 #include "support.hpp"
 
+struct Board {
+    using Input = fairlead::Pose;
+    using Channels = fairlead::Channels<fairlead::Position, fairlead::Orientation>;
+    using Filter = fairlead::NoFilter;
+    static constexpr std::size_t delay_records_max = 120;
+    static constexpr fairlead::Beam beam = fairlead::Beam::medium;
+    static constexpr std::size_t events_max = 0;
+};
+
 /// The position at the end of what is final so far.
-void print_end(const fairlead::Decoder& decoder) {
-    const auto& link = decoder.position();
-    const std::int64_t t_ns =
-        link.curve.span.t0_ns + std::int64_t{link.cover_ticks} * decoder.tick_ns();
-    const auto p = value_at(link.curve, link.scale, decoder.tick_ns(), t_ns);
-    std::printf("%.3f s  %.4f %.4f %.4f m\n", static_cast<double>(t_ns) * 1e-9,
-                static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+void print_end(const fairlead::wire2::LiveDecoder<>& reader) {
+    const auto t_ns = reader.position_until_ns();
+    const auto motion = t_ns ? reader.position(*t_ns) : std::nullopt;
+    if (!motion) return;
+    const auto d = [](float x) { return static_cast<double>(x); };
+    const fairlead::Vec3 &p = motion->p_w_m, &v = motion->velocity_m_s;
+    std::printf("%.3f s  %.4f %.4f %.4f m  %.3f %.3f %.3f m/s\n", static_cast<double>(*t_ns) * 1e-9,
+                d(p.x), d(p.y), d(p.z), d(v.x), d(v.y), d(v.z));
 }
 
 int main() {
-    fairlead::Pipeline<fairlead::PipelineConfig> board{{}};
-    fairlead::Decoder reader;
+    fairlead::Pipeline2<Board>::Params params;
+    params.sample_period_ns = 8'333'333;
+    fairlead::Pipeline2<Board> board{params};
+    fairlead::wire2::LiveDecoder<> reader;
     fairlead::Pose pose;
     while (next(pose)) {
-        const fairlead::Bytes wire = board.push(pose);
-        for (std::size_t i = 0; i < wire.size; ++i) {
-            if (!reader.push(wire.data[i])) continue;  // true: a frame is complete and good
-            fairlead::Decoder::Update step;
-            while (reader.next(step)) {
-            }
-            print_end(reader);
-        }
+        for (const std::uint8_t byte : board.push(pose))
+            if (reader.push(byte)) print_end(reader);  // a frame is complete and good
     }
 }

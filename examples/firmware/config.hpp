@@ -3,19 +3,23 @@
 // file, changes it, and asks what it costs:
 //
 //     make bounds CONFIG=examples/firmware/config.hpp CORE=m4f BUDGET=400000
-#include "fairlead/pipeline.hpp"
+#include "fairlead/pipeline2.hpp"
 
-struct Config : fairlead::PipelineConfig {
-    using Filter = fairlead::PoseFilter<9>;    // centred: 4 records late
-    static constexpr std::size_t window = 32;  // records that a reducer can hold
-    static constexpr std::size_t events = 0;   // a tracker without buttons
+struct Config {
+    using Input = fairlead::Pose;
+    using Channels = fairlead::Channels<fairlead::Position, fairlead::Orientation>;
+    using Filter = fairlead::PoseFilter<9>;               // centred: 4 records late
+    static constexpr std::size_t delay_records_max = 32;  // records: 0.27 s
+    static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
+    static constexpr std::size_t events_max = 0;  // a tracker without buttons
 
-    static fairlead::Pipeline<Config>::Params params() {
-        fairlead::EncoderParams encoder;
-        encoder.tol_position_m = {0.002f, 0.002f, 0.002f};
-        encoder.tol_orientation_rad = 0.0087266f;  // 0.5 deg
-        encoder.tick_ns = 4000000;                 // below the smallest spacing of records
-        encoder.delay_max = 30;                    // records: 0.25 s
-        return {{}, Filter{fairlead::binomial_mask<9>()}, encoder};
+    using Pipeline = fairlead::Pipeline2<Config>;
+    static Pipeline::Params params() {
+        Pipeline::Params p;
+        p.sample_period_ns = 8'333'333;            // 120 records a second
+        p.tolerance.position_m = 0.002f;           // each axis
+        p.tolerance.orientation_rad = 0.0087266f;  // 0.5 deg
+        p.filter = Filter{fairlead::binomial_mask<9>()};
+        return p;
     }
 };

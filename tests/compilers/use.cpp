@@ -1,26 +1,52 @@
 // What a user makes of the library, so that every compiler meets the templates with their
-// arguments: a pipeline of poses with a filter, a pipeline of IMU samples, a decoder.
-#include <fairlead/imu_pipeline.hpp>
-#include <fairlead/pipeline.hpp>
-#include <fairlead/wire/decoder.hpp>
+// arguments: pipelines of poses with a filter, of IMU samples and of vectors, decoders.
+#include <fairlead/pipeline2.hpp>
+#include <fairlead/wire2/live.hpp>
 
-struct Tracker : fairlead::PipelineConfig {
+struct Tracker {
+    using Input = fairlead::Pose;
+    using Channels = fairlead::Channels<fairlead::Position, fairlead::Orientation>;
     using Filter = fairlead::PoseFilter<9>;
-    static constexpr std::size_t window = 32;
+    static constexpr std::size_t delay_records_max = 32;
+    static constexpr fairlead::Beam beam = fairlead::Beam::medium;
+    static constexpr std::size_t events_max = 4;
 };
-struct Board : fairlead::PipelineConfig {
-    static constexpr std::size_t window = 32;
+struct Board {
+    using Input = fairlead::Imu<>;
+    using Channels = fairlead::Channels<fairlead::Orientation>;
+    using Filter = fairlead::NoFilter;
+    static constexpr std::size_t delay_records_max = 32;
+    static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
+    static constexpr std::size_t events_max = 0;
+};
+struct Arm {
+    using Input = fairlead::VectorSample<4>;
+    using Channels = fairlead::Channels<fairlead::Vector<4>>;
+    using Filter = fairlead::NoFilter;
+    static constexpr std::size_t delay_records_max = 60;
+    static constexpr fairlead::Beam beam = fairlead::Beam::wide;
+    static constexpr std::size_t events_max = 0;
 };
 
-fairlead::Pipeline<Tracker> tracker{
-    {{}, Tracker::Filter{fairlead::binomial_mask<9>()}, fairlead::EncoderParams{}}};
-fairlead::ImuPipeline<Board> imu{{}};
-fairlead::Decoder reader;
+fairlead::Pipeline2<Tracker>::Params params() {
+    fairlead::Pipeline2<Tracker>::Params p;
+    p.filter = Tracker::Filter{fairlead::binomial_mask<9>()};
+    return p;
+}
 
-std::size_t use(const fairlead::Pose& pose, const fairlead::Sample& sample) {
-    const fairlead::Bytes wire = tracker.push(pose);
-    for (std::size_t i = 0; i < wire.size; ++i)
-        if (reader.push(wire.data[i]))
-            for (fairlead::Decoder::Update step; reader.next(step);) continue;
-    return imu.push(sample).size + imu.flush().size + tracker.flush().size;
+fairlead::Pipeline2<Tracker> tracker{params()};
+fairlead::Pipeline2<Board> imu{{}};
+fairlead::Pipeline2<Arm> arm{{}};
+fairlead::wire2::LiveDecoder<> display;
+fairlead::wire2::Decoder<4, 0> reader;
+
+std::size_t use(const fairlead::Pose& pose, const fairlead::Sample& sample,
+                const fairlead::VectorSample<4>& joints) {
+    std::size_t known = 0;
+    for (const std::uint8_t byte : tracker.push(pose))
+        if (display.push(byte) && display.position(pose.t_ns)) ++known;
+    for (const std::uint8_t byte : arm.push(joints))
+        if (reader.push(byte))
+            for (fairlead::wire2::CurvePiece piece; reader.next(piece);) ++known;
+    return known + imu.push(sample).size + imu.flush().size + tracker.flush().size;
 }

@@ -4,19 +4,19 @@
 #include <cstdio>
 
 int main() {
-    static fairlead::Decoder decoder;
+    static fairlead::wire2::Decoder<3, 1> decoder;
     unsigned bytes = 0, pieces = 0, events = 0;
-    for (int c = std::getchar(); c != EOF; c = std::getchar(), ++bytes) {
-        if (!decoder.push(static_cast<std::uint8_t>(c))) continue;
-        for (fairlead::Decoder::Update update; decoder.next(update);)
-            if (update.piece) ++pieces;
+    const auto take = [&] {
+        for (fairlead::wire2::CurvePiece piece; decoder.next(piece);) ++pieces;
         for (fairlead::Event event; decoder.next_event(event);) ++events;
-    }
-    const auto& counters = decoder.counters();
+    };
+    for (int c = std::getchar(); c != EOF; c = std::getchar(), ++bytes)
+        if (decoder.push(static_cast<std::uint8_t>(c))) take();
+    while (decoder.finish()) take();
+    const auto& counters = decoder.frame_counters();
+    const auto skipped = bytes - static_cast<unsigned>(counters.good_bytes);
     std::printf("bytes %u frames %u damaged %u skipped %u pieces %u events %u\n", bytes,
-                static_cast<unsigned>(counters.frames), static_cast<unsigned>(counters.damaged),
-                static_cast<unsigned>(counters.skipped_bytes), pieces, events);
-    return counters.frames > 5 && counters.damaged == 0 && counters.skipped_bytes == 0 && pieces > 2
-               ? 0
-               : 1;
+                static_cast<unsigned>(counters.frames), static_cast<unsigned>(counters.losses),
+                skipped, pieces, events);
+    return counters.frames > 5 && counters.losses == 0 && skipped == 0 && pieces > 2 ? 0 : 1;
 }

@@ -5,27 +5,40 @@
 #include USER_HEADER
 #else
 #include <fairlead/base/arithmetic.hpp>
-#include <fairlead/pipeline.hpp>
-#include <fairlead/wire/decoder.hpp>
+#include <fairlead/pipeline2.hpp>
+#include <fairlead/wire2/decoder.hpp>
 #endif
 
 #include <cstdio>
 
-struct Board : fairlead::PipelineConfig {
-    static constexpr std::size_t window = 32;
+struct Board {
+    using Input = fairlead::Pose;
+    using Channels = fairlead::Channels<fairlead::Position, fairlead::Orientation>;
+    using Filter = fairlead::NoFilter;
+    static constexpr std::size_t delay_records_max = 32;
+    static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
+    static constexpr std::size_t events_max = 0;
 };
 
+fairlead::Pipeline2<Board>::Params params() {
+    fairlead::Pipeline2<Board>::Params p;
+    p.sample_period_ns = 10'000'000;
+    return p;
+}
+
 int main() {
-    static fairlead::Pipeline<Board> pipeline{{}};
-    static fairlead::Decoder decoder;
+    static fairlead::Pipeline2<Board> pipeline{params()};
+    static fairlead::wire2::Decoder<3, 1> decoder;
     std::uint64_t digest = 14695981039346656037u;  // FNV-1a
+    std::uint64_t sent = 0;
     const auto take = [&](const fairlead::Bytes& bytes) {
-        for (std::size_t i = 0; i < bytes.size; ++i) {
-            digest = (digest ^ bytes.data[i]) * 1099511628211u;
-            if (!decoder.push(bytes.data[i])) continue;
-            for (fairlead::Decoder::Update update; decoder.next(update);) continue;
+        sent += bytes.size;
+        for (const std::uint8_t byte : bytes) {
+            digest = (digest ^ byte) * 1099511628211u;
+            if (!decoder.push(byte)) continue;
+            for (fairlead::wire2::CurvePiece piece; decoder.next(piece);) continue;
         }
-        return !bytes.empty();
+        return bytes.status != fairlead::Status::end;
     };
     fairlead::Pose pose;
     pose.flags = fairlead::flag::position_valid | fairlead::flag::orientation_valid;
@@ -37,9 +50,11 @@ int main() {
         take(pipeline.push(pose));
     }
     for (int i = 0; i < 200 && take(pipeline.flush()); ++i) continue;
-    const auto& counters = decoder.counters();
+    for (int i = 0; i < 200 && decoder.finish(); ++i) continue;
+    const auto& counters = decoder.frame_counters();
+    const bool whole = counters.good_bytes == sent && counters.losses == 0;
     std::printf("frames %u damaged %u digest %016llx arithmetic %s\n",
-                static_cast<unsigned>(counters.frames), static_cast<unsigned>(counters.damaged),
+                static_cast<unsigned>(counters.frames), static_cast<unsigned>(counters.losses),
                 static_cast<unsigned long long>(digest), to_string(fairlead::check_arithmetic()));
-    return counters.frames > 5 && counters.damaged == 0 ? 0 : 1;
+    return counters.frames > 5 && whole ? 0 : 1;
 }

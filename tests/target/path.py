@@ -10,9 +10,8 @@ import re
 import subprocess
 
 
-# what slices limit (all that is charged to them), and what the bytes limit: each is given up or belongs to one frame
-BUDGETED = re.compile(r"^_Z+NK?8fairlead\d+(?:(?P<search>(?:Search|Fit|Landing|Polynomial|Plan|PlanWalk|SplineSystem|Reducer)I)|"
-                      r"(?P<frames>wire|Decoder|BitReader|BitWriter))")
+# what the search takes for one record, and what one frame's bytes take: no push does the most of each part of it
+BUDGETED = re.compile(r"^_Z+NK?8fairlead\d+(?:(?P<search>reduce2?|curve)|(?P<frames>wire2?|code))\d")
 
 
 def read_caps(path):

@@ -1,8 +1,7 @@
 #pragma once
-// A whole pipeline: poses or samples in, bytes out. Config is what Pipeline<Config> or
-// ImuPipeline<Config, mode> takes, with that one's run-time parameters in a static function
-// params(): their type says which of the two it is.
-#include "fairlead/imu_pipeline.hpp"
+// A whole pipeline: poses or samples in, bytes out. Config is a board (fairlead/board.hpp) with the
+// parameters of its pipeline in a static function params().
+#include "fairlead/pipeline2.hpp"
 #include "tests/target/subject.hpp"
 
 namespace fairlead {
@@ -14,20 +13,12 @@ inline void mix(target::Digest& d, const Bytes& bytes) noexcept {
 
 namespace target {
 
-template <class Config, class Whole>
-inline constexpr bool configures =
-    std::is_same_v<decltype(Config::params()), typename Whole::Params>;
-
 template <class Config>
 struct PipelineStage {
-    using Imu = ImuPipeline<Config, AttitudeMode::imu>;
-    using ImuMag = ImuPipeline<Config, AttitudeMode::imu_mag>;
-    using Whole =
-        std::conditional_t<configures<Config, ImuMag>, ImuMag,
-                           std::conditional_t<configures<Config, Imu>, Imu, Pipeline<Config>>>;
+    using Whole = Pipeline2<Config>;
 
-    static constexpr unsigned latency = Config::window + Config::Filter::latency;  // at most
-    static constexpr bool takes_samples = !std::is_same_v<Whole, Pipeline<Config>>;
+    static constexpr unsigned latency = Config::delay_records_max + Config::Filter::latency;
+    static constexpr bool takes_samples = std::is_same_v<typename Whole::Raw, Sample>;
     static constexpr bool takes_anything = true;
     using Output = Bytes;
     Whole pipeline{Config::params()};
@@ -38,7 +29,11 @@ struct PipelineStage {
         else
             return some(pipeline.push(in.pose));
     }
-    std::optional<Output> flush() { return some(pipeline.flush()); }
+    std::optional<Output> flush() {
+        const Bytes bytes = pipeline.flush();
+        if (bytes.empty() && bytes.status == Status::end) return std::nullopt;
+        return bytes;
+    }
 
   private:
     static std::optional<Output> some(const Bytes& bytes) {

@@ -69,8 +69,8 @@ $(FIRMWARE)/%.o: port/cortex_m/%.cpp $(FIRMWARE_HEADERS)
 $(FIRMWARE)/firmware.elf: $(addprefix $(FIRMWARE)/,main.o board_mps2.o startup.o) port/cortex_m/memory.ld
 	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto=auto -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
 		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=256K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=64K $(filter %.o,$^) -o $@
-$(FIRMWARE)/check_frames: $(wildcard examples/firmware/* host_sim/curve_store.*) $(shell find lib -name '*.hpp')
-	$(call step,$@) g++ $(COMMON) -O2 examples/firmware/check_frames.cpp host_sim/curve_store.cpp -o $@
+$(FIRMWARE)/check_frames: $(wildcard examples/firmware/*) $(shell find lib -name '*.hpp')
+	$(call step,$@) g++ $(COMMON) -O2 examples/firmware/check_frames.cpp -o $@
 .PHONY: firmware firmware-run
 firmware: $(FIRMWARE)/firmware.elf
 	@tests/target/size.py --readme examples/firmware/README.md $(if $(ACCEPT),--accept) $<
@@ -84,7 +84,7 @@ $(BUILD)/count.so: tests/target/count.c
 
 -include $(wildcard $(BUILD)/*/*.d)
 
-$(BUILD)/errors: tests/target/errors/errors.cpp tests/target/stream.cpp host_sim/curve_store.cpp
+$(BUILD)/errors: tests/target/errors/errors.cpp tests/target/stream.cpp
 	$(call step,$@) g++ $(COMMON) -O1 -isystem /usr/include/eigen3 -MMD -MP -MF $@.d $(filter %.cpp,$^) -o $@
 $(BUILD)/errors.tsv: $(BUILD)/errors tests/target/streams/adverse
 	@$< >$@

@@ -7,16 +7,20 @@ const uint8_t address = 0x68;
 const float rad_s_per_count = 500.0f / 32768 * DEG_TO_RAD;  // range: 500 degrees a second
 const float m_s2_per_count = 4 * 9.80665f / 32768;          // range: 4 g
 
-struct Board : fairlead::PipelineConfig {
-  static constexpr std::size_t window = 32;  // samples that may wait for their piece of the curve
+struct Board {
+  using Input = fairlead::Imu<fairlead::AttitudeMode::imu>;  // gyro and accelerometer
+  using Channels = fairlead::Channels<fairlead::Orientation>;
+  using Filter = fairlead::NoFilter;
+  static constexpr std::size_t delay_records_max = 32;  // samples: 0.32 s
+  static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
+  static constexpr std::size_t events_max = 0;
 };
-using Motion = fairlead::ImuPipeline<Board, fairlead::AttitudeMode::imu>;
+using Motion = fairlead::Pipeline2<Board>;
 
 Motion::Params params() {
-  Motion::Params p{};
-  p.motion.encoder.tol_orientation_rad = 0.5f * DEG_TO_RAD;
-  p.motion.encoder.tick_ns = 5000000;  // below the smallest time between two samples
-  p.motion.encoder.delay_max = 30;     // samples: 0.3 s
+  Motion::Params p;
+  p.sample_period_ns = 10000000;  // 100 samples a second
+  p.tolerance.orientation_rad = 0.5f * DEG_TO_RAD;
   return p;
 }
 Motion motion{params()};

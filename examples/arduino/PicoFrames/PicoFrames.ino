@@ -9,17 +9,21 @@ const float m_s2_per_count = 4 * 9.80665f / 32768;          // range: 4 g
 
 const int button_pin = 15;
 
-struct Board : fairlead::PipelineConfig {
-  using Filter = fairlead::PoseFilter<5>;    // two samples late
-  static constexpr std::size_t window = 32;  // samples that may wait for their piece of the curve
+struct Board {
+  using Input = fairlead::Imu<fairlead::AttitudeMode::imu>;  // gyro and accelerometer
+  using Channels = fairlead::Channels<fairlead::Orientation>;
+  using Filter = fairlead::PoseFilter<5>;               // two samples late
+  static constexpr std::size_t delay_records_max = 32;  // samples: 0.32 s
+  static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
+  static constexpr std::size_t events_max = 2;  // that may wait
 };
-using Motion = fairlead::ImuPipeline<Board, fairlead::AttitudeMode::imu>;
+using Motion = fairlead::Pipeline2<Board>;
 
 Motion::Params params() {
-  Motion::Params p{{}, {}, {}, {{}, Board::Filter{fairlead::binomial_mask<5>()}, {}}};
-  p.motion.encoder.tol_orientation_rad = 0.5f * DEG_TO_RAD;
-  p.motion.encoder.tick_ns = 5000000;  // below the smallest time between two samples
-  p.motion.encoder.delay_max = 30;     // samples: 0.3 s
+  Motion::Params p;
+  p.sample_period_ns = 10000000;  // 100 samples a second
+  p.tolerance.orientation_rad = 0.5f * DEG_TO_RAD;
+  p.filter = Board::Filter{fairlead::binomial_mask<5>()};
   return p;
 }
 Motion motion{params()};

@@ -1,78 +1,126 @@
 #pragma once
-// What reduces: the largest distance of the decoded curve from a record that went in, which the
-// tolerance bounds.
+// What reduces: the largest distance of the decoded curve, evaluated in double, from a record that
+// went in, which the tolerance bounds.
+#include <memory>
+
 #include "examples/firmware/config.hpp"
-#include "host_sim/curve_store.hpp"
+#include "fairlead/wire2/live.hpp"
+#include "tests/target/encoder_stage.hpp"
 #include "tests/target/errors/streams.hpp"
 
 namespace fairlead::target {
 
 struct Reduced {
-    float tol_m[3], tol_rad;
     Largest error;
     bool kept{true};  // every record is covered, within the tolerance
 
     std::string text() const { return error.text() + (kept ? "" : " (NOT KEPT)"); }
 };
 
-/// What a stage that gives bytes makes of the streams. seen(stage): the record that the guarantee
-/// speaks of after a push.
-template <class Stage, class Make, class Seen>
-Reduced reduced(const std::vector<Records>& streams, const EncoderParams& params, const Make& make,
-                const Seen& seen) {
-    Reduced all{{params.tol_position_m[0], params.tol_position_m[1], params.tol_position_m[2]},
-                params.tol_orientation_rad,
-                {}};
+/// All curves of a stream.
+class Curves {
+  public:
+    void push(const Bytes& bytes) {
+        for (const std::uint8_t byte : bytes)
+            if (decoder_.push(byte)) take();
+    }
+    void finish() {
+        while (decoder_.finish()) take();
+    }
+    /// The piece of an axis, or of the rotation, that holds at t_ns; null: none.
+    const wire2::CurvePiece* at(bool rotates, std::size_t axis, std::int64_t t_ns) const {
+        for (const auto& p : pieces_)
+            if (p.rotates == rotates && p.axis == axis && wire2::holds_at(p, decoder_.grid(), t_ns))
+                return &p;
+        return nullptr;
+    }
+    const curve::Grid& grid() const { return decoder_.grid(); }
+
+  private:
+    void take() {
+        for (wire2::CurvePiece piece; decoder_.next(piece);)
+            if (piece.end > piece.start || piece.begins) pieces_.push_back(piece);
+    }
+    wire2::Decoder<3, 1> decoder_{};
+    std::vector<wire2::CurvePiece> pieces_{};
+};
+
+/// How far the curves are from what the guarantee speaks of: within tol_m an axis, and tol_rad.
+inline void compare(const Curves& curves, const Pose& pose, bool position, bool orientation,
+                    double tol_m, double tol_rad, Reduced& all) {
+    const std::array<float, 3> p{pose.p_w_m.x, pose.p_w_m.y, pose.p_w_m.z};
+    for (std::size_t a = 0; position && a < 3; ++a) {
+        const auto* piece = curves.at(false, a, pose.t_ns);
+        if (piece == nullptr) {
+            all.kept = false;
+            continue;
+        }
+        const double told = wire2::axis_motion<double>(*piece, curves.grid(), pose.t_ns).value;
+        const double e = told - static_cast<double>(p[a]);
+        all.kept = all.kept && std::abs(e) <= tol_m;
+        all.error.position({static_cast<float>(e), 0, 0}, {});
+    }
+    if (!orientation) return;
+    const auto* piece = curves.at(true, 0, pose.t_ns);
+    if (piece == nullptr) {
+        all.kept = false;
+        return;
+    }
+    const auto q = wire2::turning<double>(*piece, curves.grid(), pose.t_ns).q_wb;
+    const double angle = ref::angle(ref::unit({q.w, q.x, q.y, q.z}), ref::unit(ref::of(pose.q_wb)));
+    all.kept = all.kept && angle <= tol_rad * 1.0001;  // the measuring angle rounds, too
+    all.error.angle(angle);
+}
+
+/// What an encoder makes of the streams.
+template <class Stage>
+Reduced encoder_error(const std::vector<Records>& streams) {
+    using Chosen = typename Stage::Board::Channels;
+    const auto stream = Stage::stream();
+    Reduced all;
     for (const Records& records : streams) {
-        Stage stage = make();
-        sim::CurveStore store;
+        const auto stage = std::make_unique<Stage>();
+        Curves curves;
         std::vector<Pose> in;
-        const auto take = [&store](const Bytes& bytes) {
-            store.push({reinterpret_cast<const char*>(bytes.data), bytes.size});
-        };
         for (const Record& record : records) {
-            take(stage.push(record.pose));
-            if (const auto pose = seen(stage, record.pose)) in.push_back(*pose);
+            stage->prepare(record);
+            if (stage->accepted) in.push_back(*stage->accepted);
+            if (const auto bytes = stage->push(record)) curves.push(*bytes);
         }
-        for (Bytes bytes = stage.flush(); !bytes.empty(); bytes = stage.flush()) take(bytes);
-        store.finish();
-        for (const Pose& pose : in) {
-            const Pose out = store.at(pose.t_ns);
-            if (params.position) {
-                const Vec3 e = out.p_w_m - pose.p_w_m;
-                all.kept = all.kept && (out.flags & flag::position_valid) != 0 &&
-                           approx::absolute(e.x) <= all.tol_m[0] &&
-                           approx::absolute(e.y) <= all.tol_m[1] &&
-                           approx::absolute(e.z) <= all.tol_m[2];
-                for (const float x : {e.x, e.y, e.z}) all.error.position({x, 0, 0}, {});
-            }
-            if (params.orientation) {
-                const float angle = rotation_angle(out.q_wb, pose.q_wb);
-                all.kept = all.kept && (out.flags & flag::orientation_valid) != 0 &&
-                           angle <= all.tol_rad * 1.0001f;  // the measuring angle rounds, too
-                all.error.orientation(out.q_wb, ref::unit(ref::of(pose.q_wb)));
-            }
-        }
+        if (const auto bytes = stage->flush()) curves.push(*bytes);
+        curves.finish();
+        double tol_m = 0, tol_rad = 0;
+        if constexpr (Chosen::template has<Position>)
+            tol_m = static_cast<double>(stream.tolerance.position_m[0]);
+        if constexpr (Chosen::template has<Orientation>)
+            tol_rad = static_cast<double>(stream.tolerance.orientation_rad);
+        for (const Pose& pose : in)
+            compare(curves, pose, tol_m > 0, tol_rad > 0, tol_m, tol_rad, all);
     }
     return all;
 }
 
-template <std::size_t N>
-Reduced encoder_error(const std::vector<Records>& streams, bool position, bool orientation) {
-    EncoderParams params = Config::params().encoder;
-    params.position = position;
-    params.orientation = orientation;
-    params.delay_max = N;
-    const auto make = [&params] { return Encoder<N>{params}; };
-    const auto every = [](const Encoder<N>&, const Pose& pose) { return std::optional{pose}; };
-    return reduced<Encoder<N>>(streams, params, make, every);
-}
-
+/// What the firmware's pipeline makes of them: against the filtered records.
 inline Reduced pipeline_error(const std::vector<Records>& streams) {
-    using Whole = Pipeline<Config>;
-    const auto make = [] { return Whole{Config::params()}; };
-    const auto filtered = [](const Whole& whole, const Pose&) { return whole.filtered(); };
-    return reduced<Whole>(streams, Config::params().encoder, make, filtered);
+    const auto params = Config::params();
+    Reduced all;
+    for (const Records& records : streams) {
+        const auto whole = std::make_unique<Config::Pipeline>(params);
+        Curves curves;
+        std::vector<Pose> in;
+        const auto note = [&](const Bytes& bytes) {
+            curves.push(bytes);
+            if (whole->filtered()) in.push_back(*whole->filtered());
+            return bytes.status == Status::end;
+        };
+        for (const Record& record : records) note(whole->push(record.pose));
+        while (!note(whole->flush())) continue;
+        curves.finish();
+        for (const Pose& pose : in)
+            compare(curves, pose, true, true, static_cast<double>(params.tolerance.position_m[0]),
+                    static_cast<double>(params.tolerance.orientation_rad), all);
+    }
+    return all;
 }
 
 }  // namespace fairlead::target

@@ -34,16 +34,22 @@ int main() {
     say("fairing_3x4", fairing_error<fairing_3_stage::Subject>(streams).text());
     say("strain_16", strain_error(streams).text());
 
+    constexpr auto narrow = fairlead::Beam::narrow, medium = fairlead::Beam::medium,
+                   wide = fairlead::Beam::wide;
     bool kept = true;
     const auto say_reduced = [&](const char* stage, const Reduced& reduced) {
         say(stage, reduced.text());
         kept = kept && reduced.kept;
     };
-    say_reduced("reduce_vector_32", encoder_error<32>(streams, true, false));
-    say_reduced("reduce_vector_64", encoder_error<64>(streams, true, false));
-    say_reduced("reduce_orientation_32", encoder_error<32>(streams, false, true));
-    say_reduced("reduce_orientation_64", encoder_error<64>(streams, false, true));
-    say_reduced("encoder_32", encoder_error<32>(streams, true, true));
+    say_reduced("encode_position_120",
+                encoder_error<EncoderStage<JustPosition, 120, medium>>(streams));
+    say_reduced("encode_orientation_32",
+                encoder_error<EncoderStage<JustOrientation, 32, medium>>(streams));
+    say_reduced("encode_orientation_120",
+                encoder_error<EncoderStage<JustOrientation, 120, medium>>(streams));
+    say_reduced("encode_narrow_120", encoder_error<EncoderStage<Both, 120, narrow>>(streams));
+    say_reduced("encode_medium_120", encoder_error<EncoderStage<Both, 120, medium>>(streams));
+    say_reduced("encode_wide_120", encoder_error<EncoderStage<Both, 120, wide>>(streams));
     say_reduced("pipeline_32", pipeline_error(streams));
     return kept ? 0 : 1;
 }

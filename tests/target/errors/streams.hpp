@@ -56,8 +56,9 @@ class Largest {
     void number(double distance) { see(number_, distance); }
     void position(const Vec3& p, const ref::V& truth) { see(m_, norm(ref::of(p) - truth)); }
     void orientation(const Quat& q, const ref::Q& truth) {
-        see(rad_, ref::angle(ref::unit(ref::of(q)), truth));
+        angle(ref::angle(ref::unit(ref::of(q)), truth));
     }
+    void angle(double rad) { see(rad_, rad); }
     void pose(const Pose& pose, const ref::V& p, const ref::Q& q) {
         position(pose.p_w_m, p);
         orientation(pose.q_wb, q);

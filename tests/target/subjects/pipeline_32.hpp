@@ -4,5 +4,5 @@
 
 struct Subject : fairlead::target::PipelineStage<Config> {
     static constexpr const char* text =
-        "the pipeline of examples/firmware: intake, PoseFilter<9>, both reducers, codec; window 32";
+        "the pipeline of examples/firmware: intake, PoseFilter<9>, both channels, delay 32";
 };

@@ -1,0 +1,8 @@
+#pragma once
+#include "tests/target/encoder_stage.hpp"
+
+using Stage = fairlead::target::EncoderStage<fairlead::target::Both, 120, fairlead::Beam::medium>;
+
+struct Subject : Stage {
+    static constexpr const char* text = "encoder: both channels, medium beam, delay 120";
+};

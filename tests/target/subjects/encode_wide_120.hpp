@@ -1,0 +1,8 @@
+#pragma once
+#include "tests/target/encoder_stage.hpp"
+
+using Stage = fairlead::target::EncoderStage<fairlead::target::Both, 120, fairlead::Beam::wide>;
+
+struct Subject : Stage {
+    static constexpr const char* text = "encoder: both channels, wide beam, delay 120";
+};
