@@ -36,6 +36,8 @@ class ChipModel {
     // -- the bus
     std::uint8_t address() const { return address_; }
     virtual bool present() const { return true; }
+    /// A second chip in the same package, on the same bus and supply.
+    virtual ChipModel* other_half() { return nullptr; }
     /// Does it acknowledge its address now? Not while it starts.
     bool answers() const { return present() && now_ns_ >= up_ns_; }
     void begin_write() { pointer_set_ = false; }

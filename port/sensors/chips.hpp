@@ -11,6 +11,7 @@
 #include "port/sensors/ak09916.hpp"
 #include "port/sensors/ak8963.hpp"
 #include "port/sensors/bmi.hpp"
+#include "port/sensors/bmi088.hpp"
 #include "port/sensors/icm20948.hpp"
 #include "port/sensors/icm426xx.hpp"
 #include "port/sensors/icm456xx.hpp"
@@ -181,6 +182,14 @@ struct Bmi270 {
                                                2048},
                                               bmi::chip_id, bmi::Bmi270::parts);
 };
+/// Over SPI its halves have a chip select each: BusPair (spi.hpp), not the table's one bus.
+struct Bmi088 {
+    template <class Bus>
+    using Driver = port::Bmi088<Bus>;
+    static constexpr ChipInfo info =
+        with_ids({"bmi088", "BMI088", "bmi088.hpp", {0x68, 0x69}, 0, {}, 0, {}, false, false, 1024},
+                 bmi088::chip_id, bmi088::parts);
+};
 
 // ---- magnetometers
 struct Lis3mdl {
@@ -289,8 +298,9 @@ struct ChipList {
     }
 };
 
-using ImuChips = ChipList<chips::Icm42688, chips::Icm45686, chips::Icm20948, chips::Lsm6dso,
-                          chips::Lsm6dsv, chips::Mpu6050, chips::Bmi160, chips::Bmi270>;
+using ImuChips =
+    ChipList<chips::Icm42688, chips::Icm45686, chips::Icm20948, chips::Lsm6dso, chips::Lsm6dsv,
+             chips::Mpu6050, chips::Bmi160, chips::Bmi270, chips::Bmi088>;
 using MagChips = ChipList<chips::Lis3mdl, chips::Ak09916, chips::Ak8963, chips::Qmc5883l,
                           chips::Qmc5883p, chips::Iis2mdc, chips::Mmc5983ma>;
 

@@ -61,4 +61,35 @@ class SpiBus {
     SpiStyle style_;
 };
 
+/// Two buses as one: a transfer to an address of the second goes there, any other to the first. For
+/// a part that is two chips with a chip select each: BMI088's accelerometer has an address of
+/// 0x18 or 0x19 and a dummy byte, its gyroscope neither.
+template <class First, class Second = First>
+class BusPair {
+  public:
+    /// Addresses a with (a & mask) == address are the second's.
+    BusPair(First& one, Second& other, std::uint8_t address, std::uint8_t mask = 0x7E) noexcept
+        : first_{&one}, second_{&other}, address_{address}, mask_{mask} {}
+
+    Status transfer(const Transfer* list, std::size_t count) noexcept {
+        if (count == 0) return Status::bad_argument;
+        for (std::size_t i = 0; i < count; ++i) {
+            const bool other = (list[i].address & mask_) == address_;
+            const Status s = other ? second_->transfer(&list[i], 1) : first_->transfer(&list[i], 1);
+            if (s != Status::ok) return s;
+        }
+        return Status::ok;
+    }
+    std::size_t read_max() const noexcept {
+        const std::size_t a = first_->read_max(), b = second_->read_max();
+        return a < b ? a : b;
+    }
+    void pause_us(std::uint32_t microseconds) noexcept { first_->pause_us(microseconds); }
+
+  private:
+    First* first_;
+    Second* second_;
+    std::uint8_t address_, mask_;
+};
+
 }  // namespace fairlead::port

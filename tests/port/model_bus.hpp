@@ -55,7 +55,10 @@ class ModelBus {
     void pass(std::int64_t ns) noexcept { until(now_ns + ns); }
     void until(std::int64_t t_ns) noexcept {
         if (t_ns > now_ns) now_ns = t_ns;
-        for (auto* chip : chips) chip->advance(now_ns);
+        for (auto* chip : chips) {
+            chip->advance(now_ns);
+            if (chip->other_half() != nullptr) chip->other_half()->advance(now_ns);
+        }
     }
 
   private:
@@ -63,7 +66,8 @@ class ModelBus {
 
     sim::ChipModel* find(std::uint8_t address) const noexcept {
         for (auto* chip : chips)
-            if (chip->address() == address && chip->answers()) return chip;
+            for (auto* half : {chip, chip->other_half()})
+                if (half != nullptr && half->address() == address && half->answers()) return half;
         return nullptr;
     }
 };

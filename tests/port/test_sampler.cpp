@@ -6,14 +6,17 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <vector>
 
+#include "host_sim/models/bmi088_model.hpp"
+#include "host_sim/models/bmi_model.hpp"
+#include "host_sim/models/icm20948_model.hpp"
 #include "host_sim/models/icm42688_model.hpp"
+#include "host_sim/models/icm456xx_model.hpp"
 #include "host_sim/models/lsm6_model.hpp"
 #include "host_sim/models/mpu6xxx_model.hpp"
-#include "port/linux/sampler.hpp"
-#include "port/sensors/icm426xx.hpp"
-#include "port/sensors/lsm6.hpp"
-#include "port/sensors/mpu6xxx.hpp"
+#include "port/linux/imu_loop.hpp"
+#include "port/sensors/chips.hpp"
 #include "tests/port/model_bus.hpp"
 
 namespace fairlead::port {
@@ -235,6 +238,121 @@ TEST_F(SamplerTest, AnAbsentSensorIsReportedAndFoundWhenItComes) {
     bus.chips = {&chip};
     run_ms(2000);
     EXPECT_GT(seen, 400u);
+}
+
+/// A stand-in for the BMI270's configuration file; the model takes this one and no other.
+const std::vector<std::uint8_t> the_blob(64, 0x5A);
+
+template <class Config>
+Config with_watermark(std::uint8_t watermark) {
+    Config config;
+    config.watermark = watermark;
+    if constexpr (detail::HasBlob<Config>::value) {
+        config.blob = the_blob.data();
+        config.blob_size = the_blob.size();
+    }
+    return config;
+}
+
+/// A minute of any chip's stream with 1 % of the transfers refused, an edge in 200 missing and two
+/// losses of power. The gyroscope tells the true time of each sample, in its own counts, so that no
+/// loss can hide: each must be flagged and counted.
+template <class Chip, class Make>
+void a_minute_of_faults(Chip, Make make, std::uint8_t watermark) {
+    SCOPED_TRACE(testing::Message() << Chip::info.parts << ", watermark " << int{watermark});
+    using Driver = typename Chip::template Driver<ModelBus>;
+    const auto config = with_watermark<typename Driver::Config>(watermark);
+    double count = 0;  // rad/s: what a driver knows once it has started
+    {
+        const auto chip = make([](std::int64_t) { return Truth{}; });
+        ModelBus bus;
+        bus.chips = {chip.get()};
+        Driver imu{bus};
+        ASSERT_EQ(imu.start(config), Status::ok);
+        count = static_cast<double>(imu.scale().gyro_rad_s);
+    }
+    const auto face = [&count](std::int64_t t_ns) {
+        const std::int64_t tenths = t_ns / 100000;
+        Truth truth;
+        truth.gyro_rad_s = {static_cast<float>(static_cast<double>(tenths % 10000) * count),
+                            static_cast<float>(static_cast<double>(tenths / 10000) * count), 0};
+        return truth;
+    };
+    const auto chip = make(face);
+    ModelBus bus;
+    bus.chips = {chip.get()};
+    ModelEdges edges{bus, *chip};
+    Driver imu{bus};
+    Sampler<Driver, ModelEdges, VirtualClock> loop{imu, edges, VirtualClock{&bus}};
+    ASSERT_EQ(loop.start(config), Status::ok);
+    const double period_ms = static_cast<double>(imu.period_ns()) * 1e-6;
+    edges.lose_every = 200;
+    std::mt19937 random{4711};
+    std::uniform_real_distribution<double> chance{0, 1};
+    Batch batch;
+    std::uint64_t seen = 0, holes = 0, flags = 0, resets = 0;
+    double lost = 0, longest_ms = 0, worst_ms = 0, before_ms = -1;
+    std::int64_t last_ns = 0;
+    const std::int64_t begin_ns = bus.now_ns;
+    while (bus.now_ns < begin_ns + 60000000000) {
+        if (bus.now_ns > begin_ns + static_cast<std::int64_t>(20000000000 * (resets + 1)) &&
+            resets < 2) {
+            chip->power_cycle();
+            ++resets;
+        }
+        bus.fail_at = chance(random) < 0.01 ? bus.transfers : -1;
+        static_cast<void>(loop.step(batch));
+        for (std::size_t i = 0; i < batch.count; ++i) {
+            const Sample& s = batch.samples[i];
+            const double low = std::round(static_cast<double>(s.gyro_rad_s.x) / count);
+            const double high = std::round(static_cast<double>(s.gyro_rad_s.y) / count);
+            const double t_ms = 0.1 * low + 1000 * high;
+            if (before_ms >= 0) {
+                EXPECT_GT(s.t_ns, last_ns);
+                EXPECT_GT(t_ms, before_ms) << "a sample came twice";
+                const double missing = std::round((t_ms - before_ms) / period_ms) - 1;
+                if (missing > 0) {
+                    ++holes;
+                    lost += missing;
+                    longest_ms = std::max(longest_ms, t_ms - before_ms);
+                    EXPECT_TRUE(s.flags & flag::gap_before) << "a silent loss at " << t_ms;
+                }
+                if ((s.flags & flag::gap_before) != 0) ++flags;
+            }
+            ++seen;
+            if (seen > 200)
+                worst_ms = std::max(worst_ms, std::abs(static_cast<double>(s.t_ns) * 1e-6 - t_ms));
+            before_ms = t_ms;
+            last_ns = s.t_ns;
+        }
+    }
+    const SamplerCounts& c = loop.counts();
+    EXPECT_EQ(c.samples, seen);
+    EXPECT_GT(static_cast<double>(seen) + lost, 59e3 / period_ms);
+    EXPECT_LT(lost, 0.05 * 60e3 / period_ms);
+    EXPECT_EQ(flags, holes);
+    EXPECT_GE(c.restarts, 3u);
+    EXPECT_NEAR(static_cast<double>(c.lost), lost, 0.5 * static_cast<double>(holes) + 2);
+    EXPECT_LT(longest_ms, 350) << "the stream goes on";
+    EXPECT_LT(worst_ms, 1.5 * period_ms + 0.2);
+}
+
+TEST(Sampler, AMinuteOfFaultsOfEveryFamilyLosesNothingSilently) {
+    using Bmi = sim::BmiModel;
+    using Lsm = sim::Lsm6Model;
+    for (const std::uint8_t watermark : {std::uint8_t{0}, std::uint8_t{8}}) {
+        const auto run = [&](auto chip, auto make) { a_minute_of_faults(chip, make, watermark); };
+        run(chips::Icm42688{}, [](auto m) { return std::make_unique<sim::Icm42688Model>(m); });
+        run(chips::Icm45686{}, [](auto m) { return std::make_unique<sim::Icm456xxModel>(m); });
+        run(chips::Icm20948{}, [](auto m) { return std::make_unique<sim::Icm20948Model>(m); });
+        run(chips::Lsm6dso{}, [](auto m) { return std::make_unique<Lsm>(Lsm::Kind::dso, m); });
+        run(chips::Lsm6dsv{}, [](auto m) { return std::make_unique<Lsm>(Lsm::Kind::dsv, m); });
+        run(chips::Mpu6050{}, [](auto m) { return std::make_unique<sim::Mpu6xxxModel>(m); });
+        run(chips::Bmi160{}, [](auto m) { return std::make_unique<Bmi>(Bmi::Kind::bmi160, m); });
+        run(chips::Bmi270{},
+            [](auto m) { return std::make_unique<Bmi>(Bmi::Kind::bmi270, m, the_blob); });
+        run(chips::Bmi088{}, [](auto m) { return std::make_unique<sim::Bmi088Model>(m); });
+    }
 }
 
 /// How long after a fault has ended the first sample arrives, per family, rate near 400 Hz.

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/models/bmi088_model.hpp"
 #include "host_sim/models/bmi_model.hpp"
 #include "host_sim/models/icm20948_model.hpp"
 #include "host_sim/models/icm42688_model.hpp"
@@ -329,6 +330,47 @@ TEST(MagOnSpi, Lis3mdlAndMmc5983ma) {
     };
     read(std::make_unique<OnSpi<chips::Lis3mdl>>());
     read(std::make_unique<OnSpi<chips::Mmc5983ma>>());
+}
+
+/// Its two halves behind a chip select each, the accelerometer with a dummy byte and asleep at
+/// first.
+TEST(Bmi088OnSpi, StreamsThroughBothFifos) {
+    sim::Bmi088Model chip{ramp};
+    ModelBus world;
+    world.chips = {&chip};
+    ModelSpi gyro_wire{world, chip, bmi088::gyro_spi};
+    ModelSpi accel_wire{world, chip.accel, bmi088::accel_spi};
+    accel_wire.needs_wake = true;
+    SpiBus<ModelSpi> gyro{gyro_wire, bmi088::gyro_spi}, accel{accel_wire, bmi088::accel_spi};
+    BusPair<SpiBus<ModelSpi>> bus{gyro, accel, 0x18};
+    Bmi088<BusPair<SpiBus<ModelSpi>>> driver{bus};
+    Bmi088<BusPair<SpiBus<ModelSpi>>>::Config config;
+    config.watermark = 8;
+    ASSERT_EQ(driver.start(config), Status::ok);
+    EXPECT_EQ(driver.check(), Status::ok);
+    Batch batch;
+    std::size_t total = 0, without = 0;
+    for (int n = 0; n < 20; ++n) {
+        world.pass(driver.period_ns() * 8);
+        ASSERT_EQ(driver.read_fifo(no_edge, world.now_ns, batch), Status::ok);
+        EXPECT_EQ(batch.lost, 0u);
+        for (std::size_t i = 0; i < batch.count; ++i) {
+            if ((batch.samples[i].flags & flag::accel_valid) == 0)
+                ++without;
+            else
+                EXPECT_NEAR(batch.samples[i].accel_m_s2.z, 9.80665, 0.01);
+        }
+        total += batch.count;
+    }
+    EXPECT_GE(total, 155u);
+    EXPECT_LE(without, 2u);
+    config.watermark = 0;
+    ASSERT_EQ(driver.start(config), Status::ok) << "the reset has put it to sleep again";
+    world.pass(50000000);
+    const auto sample = driver.read(5);
+    ASSERT_TRUE(sample);
+    EXPECT_NEAR(sample->accel_m_s2.y, ramp(world.now_ns).accel_m_s2.y, 0.02);
+    EXPECT_EQ(bus.transfer(nullptr, 0), Status::bad_argument);
 }
 
 // ---- the table

@@ -2,7 +2,8 @@
 """The pages keep their word: every C++ example compiles, whole programs run, links lead somewhere.
 
 A fragment stands in a frame of its own, tests/docs/PAGE.cpp, or PAGE_1.cpp, PAGE_2.cpp, ... where a
-page has several: the frame declares what the page takes for granted and includes the example."""
+page has several: the frame declares what the page takes for granted and includes the example. A frame with a
+main function is run as well."""
 import json
 import os
 import re
@@ -37,7 +38,11 @@ def check_fragment(folder, code, frame):
     (folder / "example_headers.inc").write_text("".join(headers), encoding="utf-8")
     body = "".join(line for line in lines if line not in headers)
     (folder / "example.inc").write_text(body, encoding="utf-8")
-    compiled(folder, "-fsyntax-only", frame)
+    if "int main" not in frame.read_text(encoding="utf-8"):
+        compiled(folder, "-fsyntax-only", frame)
+        return
+    compiled(folder, "-O1", frame, "-o", folder / "example")
+    subprocess.run([folder / "example"], check=True, timeout=60)
 
 
 def check_page(page, folder):
@@ -56,7 +61,7 @@ for _page in PAGES:
 
 
 def test_every_frame_has_its_example(_):
-    known = {f"{p.stem}{end}" for p in PAGES if examples(p) for end in ("", "_1", "_2", "_3")}
+    known = {f"{p.stem}{end}" for p in PAGES if examples(p) for end in ("", *(f"_{n}" for n in range(1, 10)))}
     for frame in (ROOT / "tests" / "docs").glob("*.cpp"):
         assert frame.stem in known, frame
 

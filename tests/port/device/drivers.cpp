@@ -21,6 +21,7 @@ template class fairlead::port::Icm456xx<HalBus>;
 template class fairlead::port::Icm20948<HalBus>;
 template class fairlead::port::Bmi<HalBus, bmi::Bmi160>;
 template class fairlead::port::Bmi<HalBus, bmi::Bmi270>;
+template class fairlead::port::Bmi088<HalBus>;
 template class fairlead::port::Ak8963<HalBus>;
 template class fairlead::port::Qmc5883<HalBus, qmc5883::L>;
 template class fairlead::port::Qmc5883<HalBus, qmc5883::P>;
@@ -36,4 +37,5 @@ struct HalWire {
 };
 template class fairlead::port::Icm426xx<SpiBus<HalWire>>;
 template class fairlead::port::Bmi<SpiBus<HalWire>, bmi::Bmi270>;
+template class fairlead::port::Bmi088<BusPair<SpiBus<HalWire>>>;
 template Status fairlead::port::ak09916::open_bypass<HalBus>(HalBus&, std::uint8_t) noexcept;
