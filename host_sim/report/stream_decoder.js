@@ -170,34 +170,6 @@ function poly(z, c) {
     for (let i = c.length - 2; i >= 0; --i) x = add(mul(x, z), f(c[i]));
     return x;
 }
-function sinCos(x) {
-    if (!(Math.abs(x) <= 2 ** 20)) x = 0;
-    const q = sub(add(mul(x, f(0.636619747)), 12582912), 12582912);
-    let r = sub(x, mul(q, f(1.5703125)));
-    r = sub(r, mul(q, f(4.8375129699707031e-4)));
-    r = sub(r, mul(q, f(7.549789954891e-8)));
-    const z = mul(r, r);
-    const s = add(r, mul(mul(r, z), poly(z, [-0.1666666466, 0.008332748271, -0.0001958789088])));
-    const half = div(z, 2), one = sub(1, half);
-    const tail = mul(mul(z, z), poly(z, [0.04166666466, -0.001388830304, 2.454794209e-5]));
-    const c = add(one, add(sub(sub(1, one), half), tail));
-    return [[s, c], [c, -s], [-s, -c], [-c, s]][((q % 4) + 4) % 4];
-}
-const EIGHTHS = [0, 0.785398185, 1.57079637, 2.3561945, 3.14159274].map(f);
-const RESTS = [0, -2.18556941e-8, -4.37113883e-8, -5.96244032e-9, -8.74227766e-8].map(f);
-function atan2(y, x) {
-    const ax = Math.abs(x), steep = y > ax, lo = Math.min(ax, y), hi = Math.max(ax, y);
-    if (hi === 0) return 0;
-    const folded = lo > div(hi, 2);
-    const t = folded ? div(sub(lo, hi), add(lo, hi)) : div(lo, hi);
-    let i = folded ? 1 : 0, minus = false;
-    if (steep) { i = 2 - i; minus = !minus; }
-    if (x < 0) { i = 4 - i; minus = !minus; }
-    const z = mul(t, t), r = minus ? -t : t;
-    const p = poly(z, [-0.333333329, 0.1999987525, -0.142798011, 0.1100688068, -0.08235505764,
-                       0.04225685963]);
-    return add(EIGHTHS[i], add(r, add(RESTS[i], mul(mul(r, z), p))));
-}
 const dot = (a, b) => a.reduce((sum, x, i) => i === 0 ? mul(x, b[0]) : add(sum, mul(x, b[i])), 0);
 const cross = (a, b) => [[1, 2], [2, 0], [0, 1]].map(([i, j]) => sub(mul(a[i], b[j]), mul(a[j], b[i])));
 function normalise(q) {
@@ -214,44 +186,39 @@ function product(a, b) {
             add(sub(add(mul(aw, bz), mul(ax, by)), mul(ay, bx)), mul(az, bw))];
 }
 const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
-function rotation(r) {
-    const u = r.map((c) => mul(0.5, c)), n2 = dot(u, u);
-    let s, c;
-    if (n2 < f(1e-4)) {
-        s = add(1, mul(n2, add(f(-1 / 6), mul(n2, f(1 / 120)))));
-        c = add(1, mul(n2, add(-0.5, mul(n2, sub(f(1 / 24), mul(n2, f(1 / 720)))))));
-    } else {
-        const n = root(n2), sc = sinCos(n);
-        s = div(sc[0], n);
-        c = sc[1];
-    }
-    return [c, ...u.map((x) => mul(s, x))];
+const COS = [1, -0.49999994, 0.0416662544, -0.00138796587, 2.39535511e-5];
+const SINC = [1, -0.166666657, 0.00833329558, -0.000198328533, 2.6784553e-6];
+const ATAN = [0.999999881, -0.333318114, 0.199669614, -0.140032902, 0.0986886546, -0.0588297546,
+              0.0237805191, -0.00455979211];
+/// cos(a) and sin(a) / a, a half the angle.
+function halfAngle(theta) {
+    let x = mul(0.25, dot(theta, theta)), halved = 0;
+    for (; halved < 32 && x > 1.25; ++halved) x = mul(x, 0.25);
+    let c = poly(x, COS), s = poly(x, SINC);
+    for (; halved > 0; --halved) [c, s] = [sub(mul(mul(2, c), c), 1), mul(c, s)];
+    return [c, s];
 }
-function vector(q) {
-    const sign = q[0] < 0 ? -1 : 1, u = q.slice(1).map((c) => mul(sign, c)), n2 = dot(u, u);
-    if (n2 < f(1e-30)) return u.map((c) => mul(2, c));
-    const n = root(n2), s = div(atan2(n, mul(sign, q[0])), n);
-    return u.map((c) => mul(2, mul(s, c)));
+function exp(theta) {
+    const [c, s] = halfAngle(theta), h = mul(0.5, s);
+    return [c, ...theta.map((x) => mul(h, x))];
+}
+function log(q) {
+    const d = div(q[0] < 0 ? -1 : 1, add(1, Math.abs(q[0]))), t = q.slice(1).map((c) => mul(d, c));
+    const p = mul(4, poly(dot(t, t), ATAN));
+    return t.map((c) => mul(p, c));
 }
 function bodyRate(theta, d) {
     const n2 = dot(theta, theta);
-    let a, b;
-    if (n2 < f(1e-4)) {
-        a = sub(0.5, mul(n2, f(1 / 24)));
-        b = sub(f(1 / 6), mul(n2, f(1 / 120)));
-    } else {
-        const n = root(n2), [s, c] = sinCos(n);
-        a = div(sub(1, c), n2);
-        b = div(sub(n, s), mul(n2, n));
-    }
-    const once = cross(theta, d), twice = cross(theta, once);
-    return d.map((x, i) => add(sub(x, mul(a, once[i])), mul(b, twice[i])));
+    if (n2 < f(1e-12)) return d;
+    const [c, s] = halfAngle(theta), along = div(dot(theta, d), n2), across = cross(theta, d);
+    const turn = mul(mul(0.5, s), s), less = sub(1, mul(c, s));
+    return d.map((x, i) => sub(sub(x, mul(turn, across[i])), mul(less, sub(x, mul(along, theta[i])))));
 }
 function nearestSlope(x) {
     x = x < 0 ? sub(x, 0.5) : add(x, 0.5);
     return Math.trunc(Math.max(-(2 ** 23), Math.min(2 ** 23, x))) + 0;
 }
-const gridStep = (step) => mul(step, f(0.333333343));
+const gridStep = (step) => mul(step, 0.25);
 const gridSize = (step) => Math.trunc(div(f(0.70710678), gridStep(step))) + 1;
 function fromGrid(grid, step) {
     const g = gridStep(step), q = [0, 0, 0, 0], left = [...grid.n];
@@ -315,14 +282,14 @@ class Track {
     rebase(step) {
         const theta = this.v.map((v) => mul(f(v), step));
         const rate = bodyRate(theta, this.s.map(f));
-        this.anchor = normalise(product(this.anchor, rotation(theta)));
+        this.anchor = normalise(product(this.anchor, exp(theta)));
         this.v = [0, 0, 0];
         this.s = rate.map(nearestSlope);
     }
     /// Ends at a rotation that was told. Returns the rises of the piece there.
     land(code, subs, target, step) {
         const inverse = div(1, step);
-        const end = vector(product(conjugate(this.anchor), target)).map((c) => mul(c, inverse));
+        const end = log(product(conjugate(this.anchor), target)).map((c) => mul(c, inverse));
         const rise = end.map((e, c) => sub(e, f(this.v[c])));
         if (code !== JUMP) {
             const chord = this.fresh || code >= LINE, h = f(subs / 64);
@@ -364,26 +331,25 @@ class Header {
         this.baseNs = view.getBigInt64(5, true);
         at = 13;
         this.subNs = Number(varying());
-        const bits = byte();
-        this.timeBits = bits & 127;
-        this.independent = bits > 127;
-        this.usual = Number(varying());
-        this.channels = Array.from({length: byte()}, () => {
-            const kind = byte(), axes = byte(), count = axes & 127;
+        const form = byte();
+        this.timeBits = (form & 31) + 1;
+        this.independent = form > 127;
+        this.usual = byte();
+        this.channels = Array.from({length: (form >> 5 & 3) + 1}, () => {
+            const what = byte(), count = (what & 7) + 1, rotates = what > 127;
             const tolerance = (byte() | byte() << 8) / 32768;
-            const steps = Array.from({length: axes > 127 ? count : 1}, () => {
+            const steps = Array.from({length: what & 8 ? count : 1}, () => {
                 const m = 256 + byte();
                 return f(m * 2 ** view.getInt8(at++));
             });
-            const rotates = kind >> 4 === 2;
-            return {rotates, kind: kind & 15, axes: count, tolerance, live: false, hidden: false,
+            return {rotates, kind: what >> 4 & 7, axes: count, tolerance, live: false, hidden: false,
                     over: false, steps: steps.length === 1 ? Array(count).fill(steps[0]) : steps,
                     tracks: Array.from({length: rotates ? 1 : count}, () => new Track(rotates ? 3 : 1))};
         });
         this.digest = crc32(payload.subarray(0, at));
-        const end = varying();
+        const place = varying(), end = place >> 1n;
+        this.starts = (place & 1n) === 1n;
         this.end = Number(end & 1n ? -((end + 1n) / 2n) : end / 2n);
-        this.starts = (byte() & 1) === 1;
     }
 }
 
@@ -531,9 +497,7 @@ class StreamDecoder {
 
     time(io, from) {
         const sub = io.flag(1, 4) ? io.raw(6) : 0, bits = this.header.timeBits;
-        const high = io.raw(Math.max(0, bits - 20));
-        const low = high * 2 ** 20 + io.raw(Math.min(bits, 20)), turn = 2 ** bits;
-        const tick = Math.floor((from - sub) / 64);
+        const low = io.raw(bits), turn = 2 ** bits, tick = Math.ceil((from - sub) / 64);
         return (tick + ((low - tick) % turn + turn) % turn) * 64 + sub;
     }
     ticks(io) {
@@ -586,6 +550,10 @@ class StreamDecoder {
             for (const c of channels) this.times(io, c, ticks);
             channels.forEach((c, number) => {
                 if (c.over) c.tracks.forEach((t, i) => pieces.push(StreamDecoder.point(number, i, c, head.start)));
+            });
+            channels.forEach((c, number) => {  // curves of a single vertex
+                if (!c.present || c.first < c.last || c.goesOn) return;
+                c.tracks.forEach((t, i) => pieces.push(StreamDecoder.point(number, i, c, head.start + 64 * c.first, t)));
             });
             channels.forEach((c, number) => {
                 if (c.present) c.tracks.forEach((t, i) => this.pieces(io, pieces, number, c, i, t, head.start));
@@ -640,17 +608,16 @@ class StreamDecoder {
         if (!c.present) return;
         c.first = c.live ? 0 : io.uniform(ticks + 1);
         c.last = c.goesOn ? ticks : c.first + io.uniform(ticks + 1 - c.first);
-        if (c.live) return;
-        c.tracks = c.tracks.map((t) => new Track(t.n));
-        if (c.rotates) c.tracks[0].anchor = fromGrid(io.grid(c.steps[0]), c.steps[0]);
-        else io.values(c.axes).forEach((v, i) => { c.tracks[i].v = [v]; });
+        if (!c.live) {
+            c.tracks = c.tracks.map((t) => new Track(t.n));
+            if (c.rotates) c.tracks[0].anchor = fromGrid(io.grid(c.steps[0]), c.steps[0]);
+            else io.values(c.axes).forEach((v, i) => { c.tracks[i].v = [v]; });
+        }
     }
     pieces(io, pieces, channel, c, axis, t, frameStart) {
         let left = 64 * (c.last - c.first), rebased = false;
         const target = c.told !== null && c.rotates ? fromGrid(c.told, c.steps[0]) : null;
         const reached = () => c.rotates ? String(t.anchor) === String(target) : t.v[0] === c.told[axis];
-        if (left === 0 && !c.goesOn)
-            pieces.push(StreamDecoder.point(channel, axis, c, frameStart + 64 * c.first, t));
         if (left === 0 && c.told !== null && !reached()) throw new Nonsense("end");
         while (left > 0) {
             const p = this.piece(io, c, t, left);

@@ -46,3 +46,14 @@ for name, rest, low, high, float_terms, double_terms in RANGES:
         poly, error = chebyfit(rest, [low, high], terms, error=True)
         values = ", ".join(mp.nstr(c, digits) for c in reversed(poly))
         print(f"{name}<{kind}>  error of the rest {mp.nstr(error, 3)}\n    {values}")
+
+
+# lib/include/fairlead/curve/rotation.hpp: whole functions of the square, for the chart of rotations
+CHART = [  # name, function of the square, end of the range, terms
+    ("cos_of", lambda z: cos(sqrt(z)), mpf("1.25"), 5),
+    ("sinc_of", lambda z: sin(sqrt(z)) / sqrt(z) if z > mpf("1e-12") else 1 - z / 6, mpf("1.25"), 5),
+    ("atan_of", lambda z: atan(sqrt(z)) / sqrt(z) if z > mpf("1e-12") else 1 - z / 3, mpf(1), 8),
+]
+for name, function, high, terms in CHART:
+    poly, error = chebyfit(function, [0, high], terms, error=True)
+    print(f"{name}  error {mp.nstr(error, 3)}\n    {', '.join(mp.nstr(c, 9) for c in reversed(poly))}")

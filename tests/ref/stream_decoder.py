@@ -208,41 +208,6 @@ def poly(z, *coefficients):
     return x
 
 
-def sin_cos(x):
-    if not abs(x) <= 1 << 20:
-        x = 0.0
-    q = sub(add(mul(x, f32(0.636619747)), 12582912.0), 12582912.0)
-    r = sub(x, mul(q, f32(1.5703125)), mul(q, f32(4.8375129699707031e-4)), mul(q, f32(7.549789954891e-8)))
-    z = mul(r, r)
-    s = add(r, mul(r, z, poly(z, -0.1666666466, 0.008332748271, -0.0001958789088)))
-    half = div(z, 2.0)
-    one = sub(1.0, half)
-    c = add(one, add(sub(sub(1.0, one), half), mul(z, z, poly(z, 0.04166666466, -0.001388830304, 2.454794209e-5))))
-    return [(s, c), (c, -s), (-s, -c), (-c, s)][int(q) % 4]
-
-
-EIGHTHS = [f32(x) for x in (0, 0.785398185, 1.57079637, 2.3561945, 3.14159274)]
-RESTS = [f32(x) for x in (0, -2.18556941e-8, -4.37113883e-8, -5.96244032e-9, -8.74227766e-8)]
-
-
-def atan2(y, x):
-    steep = y > abs(x)
-    lo, hi = sorted((abs(x), y))
-    if hi == 0:
-        return 0.0
-    folded = lo > div(hi, 2.0)
-    t = div(sub(lo, hi), add(lo, hi)) if folded else div(lo, hi)
-    i, minus = int(folded), False
-    if steep:
-        i, minus = 2 - i, not minus
-    if x < 0:
-        i, minus = 4 - i, not minus
-    z = mul(t, t)
-    r = -t if minus else t
-    p = poly(z, -0.333333329, 0.1999987525, -0.142798011, 0.1100688068, -0.08235505764, 0.04225685963)
-    return add(EIGHTHS[i], add(r, add(RESTS[i], mul(r, z, p))))
-
-
 def dot(a, b):
     return add(*(mul(x, y) for x, y in zip(a, b)))
 
@@ -272,43 +237,39 @@ def conjugate(q):
     return [q[0]] + [-c for c in q[1:]]
 
 
-def rotation(r):
-    u = [mul(0.5, c) for c in r]
-    n2 = dot(u, u)
-    if n2 < f32(1e-4):
-        f = add(1.0, mul(n2, add(f32(-1 / 6), mul(n2, f32(1 / 120)))))
-        c = add(1.0, mul(n2, add(-0.5, mul(n2, sub(f32(1 / 24), mul(n2, f32(1 / 720)))))))
-    else:
-        n = sqrt(n2)
-        s, c = sin_cos(n)
-        f = div(s, n)
-    return [c] + [mul(f, x) for x in u]
+def half_angle(theta):
+    """cos(a) and sin(a) / a, a half the angle."""
+    x, halved = mul(0.25, dot(theta, theta)), 0
+    while halved < 32 and x > 1.25:
+        x, halved = mul(x, 0.25), halved + 1
+    c = poly(x, 1.0, -0.49999994, 0.0416662544, -0.00138796587, 2.39535511e-5)
+    s = poly(x, 1.0, -0.166666657, 0.00833329558, -0.000198328533, 2.6784553e-6)
+    for _ in range(halved):
+        c, s = sub(mul(2.0, c, c), 1.0), mul(c, s)
+    return c, s
 
 
-def vector(q):
-    sign = -1.0 if q[0] < 0 else 1.0
-    u, w = [mul(sign, c) for c in q[1:]], mul(sign, q[0])
-    n2 = dot(u, u)
-    if n2 < f32(1e-30):
-        return [mul(2.0, c) for c in u]
-    n = sqrt(n2)
-    f = div(atan2(n, w), n)
-    return [mul(2.0, mul(f, c)) for c in u]
+def exp(theta):
+    c, s = half_angle(theta)
+    return [c] + [mul(mul(0.5, s), x) for x in theta]
+
+
+def log(q):
+    d = div(-1.0 if q[0] < 0 else 1.0, add(1.0, abs(q[0])))
+    t = [mul(d, c) for c in q[1:]]
+    p = poly(dot(t, t), 0.999999881, -0.333318114, 0.199669614, -0.140032902, 0.0986886546, -0.0588297546, 0.0237805191,
+             -0.00455979211)
+    return [mul(mul(4.0, p), c) for c in t]
 
 
 def body_rate(theta, d):
     n2 = dot(theta, theta)
-    if n2 < f32(1e-4):
-        a = sub(0.5, mul(n2, f32(1 / 24)))
-        b = sub(f32(1 / 6), mul(n2, f32(1 / 120)))
-    else:
-        n = sqrt(n2)
-        s, c = sin_cos(n)
-        a = div(sub(1.0, c), n2)
-        b = div(sub(n, s), mul(n2, n))
-    once = cross(theta, d)
-    twice = cross(theta, once)
-    return [add(sub(d[i], mul(a, once[i])), mul(b, twice[i])) for i in range(3)]
+    if n2 < f32(1e-12):
+        return d
+    c, s = half_angle(theta)
+    along = div(dot(theta, d), n2)
+    turn, less = mul(0.5, s, s), sub(1.0, mul(c, s))
+    return [sub(d[i], mul(turn, w), mul(less, sub(d[i], mul(along, theta[i])))) for i, w in enumerate(cross(theta, d))]
 
 
 def nearest_slope(x):
@@ -317,7 +278,7 @@ def nearest_slope(x):
 
 
 def grid_step(step):
-    return mul(step, f32(0.333333343))
+    return mul(step, 0.25)
 
 
 def grid_size(step):
@@ -388,13 +349,13 @@ class Track:
     def rebase(self, step):
         theta = [mul(f32(v), step) for v in self.v]
         rate = body_rate(theta, [f32(s) for s in self.s])
-        self.anchor = normalise(product(self.anchor, rotation(theta)))
+        self.anchor = normalise(product(self.anchor, exp(theta)))
         self.v, self.s = [0] * 3, [nearest_slope(x) for x in rate]
 
     def land(self, code, subs, target, step):
         """Ends at a rotation that was told. Returns the rises of the piece there."""
         inverse = div(1.0, step)
-        end = [mul(c, inverse) for c in vector(product(conjugate(self.anchor), target))]
+        end = [mul(c, inverse) for c in log(product(conjugate(self.anchor), target))]
         rise = [sub(e, f32(v)) for e, v in zip(end, self.v)]
         if code != JUMP:
             chord, h = self.fresh or code >= LINE, f32(subs // 64)
@@ -426,14 +387,14 @@ class Header:
         self.stream_id, self.run = self.number(2), self.number(2)
         self.base_ns = struct.unpack("<q", struct.pack("<Q", self.number(8)))[0]
         self.sub_ns = self.varying()
-        bits = self.number(1)
-        self.time_bits, self.independent = bits & 127, bits > 127
-        self.usual = self.varying()
-        self.channels = [self.channel() for _ in range(self.number(1))]
+        form = self.number(1)
+        self.time_bits, self.independent = (form & 31) + 1, form > 127
+        self.usual = self.number(1)
+        self.channels = [self.channel() for _ in range((form >> 5 & 3) + 1)]
         self.digest = zlib.crc32(payload[:self.at])
-        end = self.varying()
+        place = self.varying()
+        self.starts, end = bool(place & 1), place >> 1
         self.end = -(end + 1) // 2 if end & 1 else end // 2
-        self.starts = bool(self.number(1) & 1)
 
     def number(self, n):
         self.at += n
@@ -449,15 +410,15 @@ class Header:
                 return v
 
     def channel(self):
-        kind, axes, tolerance = self.number(1), self.number(1), self.number(2)
-        count = axes & 127
+        form, tolerance = self.number(1), self.number(2)
+        count = (form & 7) + 1
         steps = []
-        for _ in range(count if axes > 127 else 1):
+        for _ in range(count if form & 8 else 1):
             m, e = 256 + self.number(1), self.number(1)
             steps.append((m, e - 256 if e > 127 else e))
         if len(steps) == 1:
             steps *= count
-        return Channel(kind >> 4 == 2, kind & 15, count, tolerance / 32768, steps)
+        return Channel(form > 127, form >> 4 & 7, count, tolerance / 32768, steps)
 
 
 class Decoder:
@@ -575,9 +536,8 @@ class Decoder:
     def time(self, io, start):
         sub_ticks = io.raw(6) if io.flag(1, 4) else 0
         bits = self.header.time_bits
-        high = io.raw(max(0, bits - 20))
-        low = high << 20 | io.raw(min(bits, 20))
-        from_tick = (start - sub_ticks) // 64
+        low = io.raw(bits)
+        from_tick = -((sub_ticks - start) // 64)
         return (from_tick + ((low - from_tick) & (1 << bits) - 1)) * 64 + sub_ticks
 
     def ticks(self, io):
@@ -639,6 +599,10 @@ class Decoder:
                 for i, t in enumerate(c.tracks if c.over else []):
                     zero = [0] * t.n
                     lines.append(self.line(number, i, start, start, JUMP, 0, zero, zero, zero, c, [1.0, 0.0, 0.0, 0.0]))
+            for number, c in enumerate(channels):  # curves of a single vertex
+                for i, t in enumerate(c.tracks if c.present and c.first == c.last and not c.goes_on else []):
+                    at = start + 64 * c.first
+                    lines.append(self.line(number, i, at, at, JUMP, t.fresh, t.v, t.s, [0] * t.n, c, t.anchor))
             for number, c in enumerate(channels):
                 for i, t in enumerate(c.tracks if c.present else []):
                     self.pieces(io, lines, number, c, i, t, start, restart, independent)
@@ -689,12 +653,10 @@ class Decoder:
         c.starts = not c.live
         c.first = 0 if c.live else io.uniform(ticks + 1)
         c.last = ticks if c.goes_on else c.first + io.uniform(ticks + 1 - c.first)
-        if not c.starts:
-            return
-        if c.rotates:
+        if c.starts and c.rotates:
             c.tracks = [Track(3)]
             c.tracks[0].anchor = from_grid(io.grid(c.step[0]), c.step[0])
-        else:
+        elif c.starts:
             c.tracks = [Track(1) for _ in range(c.axes)]
             for t, v in zip(c.tracks, io.values(c.axes)):
                 t.v = [v]
@@ -702,9 +664,6 @@ class Decoder:
     def pieces(self, io, lines, number, c, axis, t, start, restart, independent):
         left = 64 * (c.last - c.first)
         told = c.told is not None
-        if left == 0 and not c.goes_on:
-            at = start + 64 * c.first
-            lines.append(self.line(number, axis, at, at, JUMP, t.fresh, t.v, t.s, [0] * t.n, c, t.anchor))
         if left == 0 and told:
             if (t.anchor, t.v) != (from_grid(c.told, c.step[0]), [0] * 3) if c.rotates else t.v != [c.told[axis]]:
                 raise Nonsense("end")

@@ -37,7 +37,7 @@ class RandomStream {
         shape_.run = options.run;
         shape_.base_ns = options.base_ns;
         shape_.timing = {options.sub_ns, options.time_bits, options.independent,
-                         static_cast<std::uint16_t>(options.usual_ticks)};
+                         static_cast<std::uint8_t>(options.usual_ticks)};
         if (options.position) add_channel(wire2::ChannelType::vector, 0.0012f);
         if (options.orientation) add_channel(wire2::ChannelType::orientation, 0.0039f);
         begin_run(0);

@@ -152,17 +152,20 @@ TEST(Rotation, TheGridIsWithinItsBound) {
     std::mt19937_64 random{5};
     const auto unit = [&] { return static_cast<float>(random() >> 40) * 0x1p-23f - 1.0f; };
     double worst = 0;
-    for (int i = 0; i < 20000; ++i) {
-        const Quat q = normalised(Quat{unit(), unit(), unit(), unit()});
-        const float step = 0.0039f;
+    for (int i = 0; i < 40000; ++i) {
+        // the worst places have four components alike; steps move them against the grid
+        const bool alike = i % 2 != 0;
+        const auto half = [&] { return alike ? 0.5f + 0.01f * unit() : unit(); };
+        const Quat q = normalised(Quat{half(), half(), half(), half()});
+        const float step = 0.0039f + 1e-5f * unit();
         const curve::GridQuat g = curve::to_grid(q, step);
         for (const auto n : g.n) EXPECT_LE(std::abs(n), curve::grid_size(step));
         worst = std::max(worst,
                          test::angle_between(test::wide(curve::from_grid(g, step)), test::wide(q)) /
                              static_cast<double>(step));
     }
-    EXPECT_LT(worst, 0.95);  // 0.86 tolerances: a curve may begin on the grid
-    EXPECT_GT(worst, 0.3);
+    EXPECT_LT(worst, 0.88);  // 0.79 tolerances: a curve may begin on the grid
+    EXPECT_GT(worst, 0.7);
 }
 
 template <std::size_t N>

@@ -19,6 +19,9 @@ namespace fairlead::curve {
 /// Beyond this angle from the anchor (rad) a segment ends: in the chart distances grow too long.
 inline constexpr float chart_angle_max = 2.2f;
 
+/// Steps of a lattice of rotations, in rad: the grid counts in 16 bits, and squares stay finite.
+constexpr bool rotation_step_valid(float step) noexcept { return step >= 1e-4f && step <= 1.0f; }
+
 struct RotationState {
     Quat anchor{};
     State<3> chart{};
@@ -32,8 +35,9 @@ struct GridQuat {
 };
 
 /// Step of the grid for components of quaternions, for a lattice of `step` rad: an error of at most
-/// step / 6 for each of the three told, which turns by at most 0.93 step (all components alike).
-constexpr float grid_step(float step) noexcept { return step * (1.0f / 3.0f); }
+/// step / 8 for each of the three that are told. The fourth follows, and errs by their sum where
+/// all four are 1/2: such a place turns by at most 2 sqrt(3 + 9) step / 8 = 0.87 step.
+constexpr float grid_step(float step) noexcept { return step * 0.25f; }
 /// Largest n on this grid: sqrt(1/2) / grid_step, rounded up.
 constexpr std::int32_t grid_size(float step) noexcept {
     return static_cast<std::int32_t>(0.70710678f / grid_step(step)) + 1;
@@ -76,25 +80,64 @@ namespace detail {
 inline std::int32_t nearest_slope(float x) noexcept {
     const float most = static_cast<float>(slope_max);
     const float r = x < 0 ? x - 0.5f : x + 0.5f;
-    return static_cast<std::int32_t>(r > most ? most : r < -most ? -most : r);
+    return static_cast<std::int32_t>(!(r < most) ? most : r < -most ? -most : r);
 }
+
+/// c[0] + c[1] x + c[2] x^2 + ... by Horner's scheme.
+inline float horner(const float* c, std::size_t n, float x) noexcept {
+    float r = c[--n];
+    while (n > 0) r = r * x + c[--n];
+    return r;
+}
+// Chebyshev interpolants in float (tests/ref/approx_coefficients.py): of cos(a) and sin(a) / a in
+// a^2 up to 1.25, and of atan(t) / t in t^2 up to 1
+inline constexpr float cos_of[]{1.0f, -0.49999994f, 0.0416662544f, -0.00138796587f,
+                                2.39535511e-05f};
+inline constexpr float sinc_of[]{1.0f, -0.166666657f, 0.00833329558f, -0.000198328533f,
+                                 2.6784553e-06f};
+inline constexpr float atan_of[]{0.999999881f,  -0.333318114f,  0.199669614f,  -0.140032902f,
+                                 0.0986886546f, -0.0588297546f, 0.0237805191f, -0.00455979211f};
+
+/// cos(a) and sin(a) / a of half the angle of a rotation vector, a = |theta| / 2.
+struct HalfAngle {
+    float cos, sinc;
+
+    explicit HalfAngle(const Vec3& theta) noexcept {
+        float x = 0.25f * dot(theta, theta);
+        int halved = 0;
+        for (; halved < 32 && x > 1.25f; ++halved) x *= 0.25f;
+        cos = horner(cos_of, 5, x);
+        sinc = horner(sinc_of, 5, x);
+        for (; halved > 0; --halved) {
+            sinc = cos * sinc;
+            cos = 2.0f * cos * cos - 1.0f;
+        }
+    }
+};
 }  // namespace detail
 
-/// Body rate at the chart's place theta where the chart moves with `speed`; the same units.
+/// exp(theta), nearly normalised: within 1e-6 for |theta| <= 8 rad.
+inline Quat chart_exp(const Vec3& theta) noexcept {
+    const detail::HalfAngle h{theta};
+    const float f = 0.5f * h.sinc;
+    return {h.cos, f * theta.x, f * theta.y, f * theta.z};
+}
+/// log(q) of a unit quaternion, the shorter way: 4 atan(|t|) / |t| t, t = xyz / (1 + |w|).
+inline Vec3 chart_log(const Quat& q) noexcept {
+    const float d = (q.w < 0 ? -1.0f : 1.0f) / (1.0f + approx::absolute(q.w));
+    const Vec3 t{d * q.x, d * q.y, d * q.z};
+    return 4.0f * detail::horner(detail::atan_of, 8, dot(t, t)) * t;
+}
+
+/// Body rate at the chart's place theta where the chart moves with `speed`; the same units. The
+/// Jacobian keeps what is along theta, and turns and shortens what is across it.
 inline Vec3 body_rate(const Vec3& theta, const Vec3& speed) noexcept {
     const float n2 = dot(theta, theta);
-    float a, b;
-    if (n2 < 1e-4f) {
-        a = 0.5f - n2 * (1.0f / 24.0f);
-        b = 1.0f / 6.0f - n2 * (1.0f / 120.0f);
-    } else {
-        const float n = approx::sqrt(n2);
-        const auto sc = approx::sin_cos(n);
-        a = (1.0f - sc.cos) / n2;
-        b = (n - sc.sin) / (n2 * n);
-    }
-    const Vec3 once = cross(theta, speed), twice = cross(theta, once);
-    return (speed - a * once) + b * twice;
+    if (n2 < 1e-12f) return speed;
+    const detail::HalfAngle h{theta};
+    const Vec3 across = speed - (dot(theta, speed) / n2) * theta;
+    return (speed - (0.5f * h.sinc * h.sinc) * cross(theta, speed)) -
+           (1.0f - h.cos * h.sinc) * across;
 }
 
 /// Rotation vector of a place in the chart, in rad.
@@ -103,22 +146,28 @@ inline Vec3 chart_angle(const std::array<std::int32_t, 3>& v, float step) noexce
             static_cast<float>(v[2]) * step};
 }
 
+namespace detail {
+/// The chart about a new anchor, which stands at `theta` in the one before.
+inline void anchor_at(RotationState& state, const Quat& anchor, const Vec3& theta) noexcept {
+    const auto& s = state.chart.s;
+    const Vec3 rate = body_rate(
+        theta, {static_cast<float>(s[0]), static_cast<float>(s[1]), static_cast<float>(s[2])});
+    state.anchor = anchor;
+    state.chart.v = {};
+    state.chart.s = {nearest_slope(rate.x), nearest_slope(rate.y), nearest_slope(rate.z)};
+}
+}  // namespace detail
+
 /// Moves the anchor to where the curve is: at every end of a frame that is no restart, and at
 /// code::rebase.
 inline void rebase(RotationState& state, float step) noexcept {
     const Vec3 theta = chart_angle(state.chart.v, step);
-    const auto& s = state.chart.s;
-    const Vec3 speed{static_cast<float>(s[0]), static_cast<float>(s[1]), static_cast<float>(s[2])};
-    const Vec3 rate = body_rate(theta, speed);
-    state.anchor = normalised(state.anchor * from_rotation_vector(theta));
-    state.chart.v = {};
-    state.chart.s = {detail::nearest_slope(rate.x), detail::nearest_slope(rate.y),
-                     detail::nearest_slope(rate.z)};
+    detail::anchor_at(state, normalised(state.anchor * chart_exp(theta)), theta);
 }
 
 /// Where in the chart the rotation q is, in lattice steps.
 inline std::array<float, 3> place(const Quat& anchor, const Quat& q, float step) noexcept {
-    const Vec3 r = rotation_vector(conj(anchor) * q);
+    const Vec3 r = chart_log(conj(anchor) * q);
     const float inverse = 1.0f / step;
     return {r.x * inverse, r.y * inverse, r.z * inverse};
 }
@@ -133,14 +182,7 @@ inline std::int32_t slope_onto(std::int32_t s, bool chord, float rise, std::int3
 /// is its place in the chart, in steps: place(anchor, target, step).
 inline void land(RotationState& state, const Quat& target, const std::array<float, 3>& end,
                  float step) noexcept {
-    const auto& s = state.chart.s;
-    const Vec3 rate =
-        body_rate({end[0] * step, end[1] * step, end[2] * step},
-                  {static_cast<float>(s[0]), static_cast<float>(s[1]), static_cast<float>(s[2])});
-    state.anchor = target;
-    state.chart.v = {};
-    state.chart.s = {detail::nearest_slope(rate.x), detail::nearest_slope(rate.y),
-                     detail::nearest_slope(rate.z)};
+    detail::anchor_at(state, target, {end[0] * step, end[1] * step, end[2] * step});
 }
 
 /// Ends a segment exactly on `target` instead of a lattice point: the last piece of a frame that

@@ -235,8 +235,9 @@ class Decoder {
             for (std::size_t i = 0; i < channel.steps() && good; ++i) {
                 const Step_ step = channel.step[i];
                 good = curve::Scale::valid(step.mantissa, step.exponent);
-                // the grid of rotations counts in 16 bits
-                if (rotates) good = good && step_of({step.mantissa, step.exponent}) >= 1e-4f;
+                if (rotates)
+                    good =
+                        good && curve::rotation_step_valid(step_of({step.mantissa, step.exponent}));
             }
         }
         return good && axes <= Axes && rotations <= Rotations;

@@ -181,9 +181,15 @@ class Encoder {
     // a frame that was being coded and one that a new run or a flush ends, each with a header
     static constexpr std::size_t out_max =
         2 * (data_frame_max + header_max) + EventSender<Events>::frame_max;
-    // head 60; channels: flags 8, values and slopes of a vector, two grids and slopes of a rotation
-    static constexpr std::size_t overhead_bits =
-        60 + (0 + ... + (8 + (Channels::axes > 0 ? 2 * (5 + 32 * Channels::axes) : 174)));
+    // Bits beside the pieces, at most. Head: restart 2, ticks 3 + 17, time 42, flag of the jump 1;
+    // of a channel: flags 13, two ticks 17, values of a vector (27 bits each) and slopes or values
+    // at the other end, two grids of a rotation (50 each) and slopes (77). A jump has 77 more, and
+    // no slopes, because no curve is live.
+    static constexpr std::size_t vector_bits =
+        (0 + ... + (Channels::axes > 0 ? 2 * (5 + 27 * Channels::axes) : 0));
+    static constexpr std::size_t overhead_bits = 65 + 30 * channel_count + vector_bits +
+                                                 100 * rotations +
+                                                 77 * (rotations > 0 ? rotations : 1);
 
     /// What one column of the search may add to a frame.
     static constexpr std::size_t column_bits =
@@ -219,7 +225,7 @@ class Encoder {
         s.timing.sub_ns = grid_.sub_ns;
         s.timing.time_bits = time_bits();
         s.timing.independent = params_.restart_interval_ns == every_frame_ns;
-        s.timing.usual_ticks = static_cast<std::uint16_t>(params_.delay_records - spare_);
+        s.timing.usual_ticks = static_cast<std::uint8_t>(params_.delay_records - spare_);
         s.channels = channel_count;
         Tracks<axes, rotations> layout;
         layout.channels = channel_count;
@@ -260,10 +266,10 @@ class Encoder {
     }
     /// Bits of a time that, with the tries of a reader, tell it within two header intervals.
     std::uint8_t time_bits() const noexcept {
-        if (params_.header_interval_ns == never_ns) return 40;
+        if (params_.header_interval_ns == never_ns) return 32;
         const std::int64_t ticks = 2 * (params_.header_interval_ns / grid_.tick_ns() + 1);
         std::uint8_t bits = 8;
-        while (bits < 40 && (std::int64_t{unwraps} << bits) < ticks) ++bits;
+        while (bits < 32 && (std::int64_t{unwraps} << bits) < ticks) ++bits;
         return bits;
     }
     void put_header() noexcept {

@@ -31,11 +31,10 @@ namespace detail {
 
 /// The time with these low bits, in ticks, that lies at `from` or next behind it; both sub-ticks of
 /// the same phase.
-constexpr std::int64_t unwrap(std::uint64_t low, unsigned bits, std::int64_t from) noexcept {
-    const std::uint64_t mask = (std::uint64_t{1} << bits) - 1u;
-    const auto ticks = static_cast<std::uint64_t>(from >= 0 ? from / sub_per_tick
-                                                            : -((-from + 63) / sub_per_tick));
-    return static_cast<std::int64_t>(ticks + ((low - ticks) & mask)) * sub_per_tick;
+constexpr std::int64_t unwrap(std::uint32_t low, unsigned bits, std::int64_t from) noexcept {
+    const std::int64_t ticks = (from + sub_per_tick - 1) >> 6;
+    const auto ahead = static_cast<std::uint32_t>(low - static_cast<std::uint32_t>(ticks));
+    return (ticks + (bits < 32 ? ahead & ((1u << bits) - 1u) : ahead)) * sub_per_tick;
 }
 
 /// A time by its low bits: 1 flag and 6 bits of phase within the tick, `bits` of ticks.
@@ -46,13 +45,10 @@ constexpr void code_time(Io& io, std::int64_t& time, unsigned bits, std::int64_t
     io.flag(off, 1, 4);
     if (off) io.bits(sub, 6);
     if (!off) sub = 0;
-    const std::uint64_t ticks = static_cast<std::uint64_t>(time) >> 6;
-    const unsigned upper = bits > 20 ? bits - 20 : 0, lower = bits - upper;
-    auto high = static_cast<std::uint32_t>((ticks >> 20) & ((1u << upper) - 1u));
-    auto low = static_cast<std::uint32_t>(ticks & ((1u << lower) - 1u));
-    io.bits(high, upper);
-    io.bits(low, lower);
-    if (!Io::writes) time = unwrap(std::uint64_t{high} << 20 | low, bits, from - sub) + sub;
+    auto low = static_cast<std::uint32_t>(static_cast<std::uint64_t>(time) >> 6);
+    if (bits < 32) low &= (1u << bits) - 1u;
+    io.bits(low, bits);
+    if (!Io::writes) time = unwrap(low, bits, from - sub) + sub;
 }
 
 /// Ticks of the frame: usual, or the difference as a signed number.
