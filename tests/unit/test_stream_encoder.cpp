@@ -182,6 +182,51 @@ TEST(StreamEncoder, RecordsWithoutAValueCountForTheDelay) {
     }
 }
 
+TEST(StreamEncoder, OrientationsThatLeapAreHeldWhileAFrameIsStillInside) {
+    // charts change while the frame before is checked and coded
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        Dice dice{std::mt19937_64{seed}};
+        typename Turning::Params params;
+        params.tolerance = {0.0044f};
+        params.delay_records = 24 + seed % 9;
+        params.restart_interval_ns = seed % 3 == 0 ? wire2::every_frame_ns : wire2::never_ns;
+        Checked<Turning> run{params};
+        std::int64_t t = 0;
+        double turn = 0;
+        for (int i = 0; i < 300; ++i) {
+            if (dice.chance(0.2)) turn = 6 * dice.unit() - 3;
+            run.push(t, {turned(turn, 0.01 * dice.unit(), 0)}, 1, 0, i == 0);
+            t += static_cast<std::int64_t>((0.6 + 0.8 * dice.unit()) *
+                                           static_cast<double>(params.sample_period_ns));
+        }
+        run.finish();
+        ASSERT_TRUE(run.check.good()) << "seed " << seed << ": " << run.check.first_fault;
+    }
+}
+
+/// Positions and orientations in turn, several records a tick: each channel keeps its own columns.
+TEST(StreamEncoder, ChannelsInTurnKeepTheirOwnColumns) {
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        Dice dice{std::mt19937_64{seed}};
+        typename Both::Params params;
+        params.tolerance = {0.001f, 0.0044f};
+        params.delay_records = seed % 2 == 0 ? 120 : 8 + dice.below(112);
+        const double spacing = 0.34 + 0.3 * dice.unit(), noise = seed % 3 == 0 ? 0.05 : 0.0005;
+        Checked<Both> run{params};
+        std::int64_t t = 0;
+        for (int i = 0; i < 400; ++i) {
+            const double x = 0.1 * std::sin(0.05 * i) + noise * dice.unit();
+            const auto value = static_cast<float>(x);
+            run.push(t, {{value, value, value}, turned(x, -x, x)}, i % 2 == 0 ? 1 : 2, 0, i == 0);
+            t += static_cast<std::int64_t>(spacing * static_cast<double>(params.sample_period_ns));
+        }
+        run.finish();
+        ASSERT_TRUE(run.check.good())
+            << "seed " << seed << ": " << run.check.first_fault << ", overflows "
+            << run.check.encoder.overflows() << ", failures " << run.check.encoder.check_failures();
+    }
+}
+
 TEST(StreamEncoder, AFlushMayComeAtAnyTime) {
     for (const double spacing : {0.35, 0.5, 0.8, 1.0}) {
         typename Both::Params params;

@@ -31,8 +31,15 @@ struct Grid {
         return {base_ns, static_cast<std::uint32_t>((p + 32) / 64)};
     }
     constexpr std::int64_t tick_ns() const noexcept { return std::int64_t{sub_ns} * subs_per_tick; }
-    /// Time of n sub-ticks in ns. The caller keeps n within the run: no overflow is checked here.
-    constexpr std::int64_t time_ns(std::int64_t n) const noexcept { return base_ns + n * sub_ns; }
+    /// Time of n sub-ticks in ns; where a curve ends behind the last time that there is, that time.
+    /// |n| beyond a run gives some time, and no overflow.
+    constexpr std::int64_t time_ns(std::int64_t n) const noexcept {
+        constexpr std::int64_t most = INT64_MAX, least = INT64_MIN;
+        const auto after = static_cast<std::int64_t>(static_cast<std::uint64_t>(n) * sub_ns);
+        if (after > 0 && base_ns > most - after) return most;
+        if (after < 0 && base_ns < least - after) return least;
+        return base_ns + after;
+    }
 
     /// Sub-ticks from the base to the last one at or before t_ns; t_ns >= base_ns.
     constexpr std::int64_t subs(std::int64_t t_ns) const noexcept {

@@ -10,6 +10,7 @@
 // All channels end at the same tick; a sample behind it is searched again in the next window. Every
 // push commits at most one frame, and does the work of one column.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
@@ -53,6 +54,7 @@ class Reducer {
     static constexpr std::int32_t records_max =
         (std::min)({static_cast<std::int32_t>(Channels::window)...});
     static constexpr std::int32_t records_min = 4;
+    static constexpr std::int64_t for_ever = INT64_MAX / 2;
     /// So many records lie behind one and not behind the next column's tick, at most.
     static constexpr std::int32_t records_a_tick = curve::subs_per_tick / curve::spacing_subs_min;
 
@@ -78,7 +80,8 @@ class Reducer {
         grid_ = grid;
         std::apply([](auto&... c) { (c.reset(), ...); }, channels_);
         waiting_ = behind_ = 0;
-        column_ = due_ = 0;
+        column_ = 0;
+        due_ = {};
         started_ = pending_ = false;
         frame_ = {};
     }
@@ -117,11 +120,10 @@ class Reducer {
         }
         ++waiting_;
         ++behind_;
-        const bool due = column > due_;
-        if (due) due_ = column;
-        if (committed || !due) column = -1;
+        const std::uint32_t due = take_due(column, valid);
+        const bool offers = due != 0 && !committed;
         const bool nearly = cost() + full_soon > window_.cost_max;
-        const bool end = column >= 0 && (waiting_ >= window_.records || stalled() || nearly);
+        const bool end = offers && (waiting_ >= window_.records || stalled() || nearly);
         bool starts = false;
         each([&](auto& channel, auto index) {
             constexpr std::size_t i = decltype(index)::value;
@@ -130,16 +132,16 @@ class Reducer {
             if (!channel.active())
                 starts = true, channel.start(at, value, guess(at.tick));
             else
-                channel.push(at, value, channel.column_tick() < column ? column : -1, end, seam);
+                channel.push(at, value, offers && (due >> i & 1u) != 0 ? column : -1, end, seam);
         });
-        if (column >= 0) {
+        if (offers && column > column_) {
             column_ = column;
             const bool later = at.tick > column || (at.tick == column && at.part > 0.0f);
             behind_ = later || starts ? 1 : 0;
         }
         if (committed) return true;
         const bool full = cost() > window_.cost_max;
-        if (column >= 0 && (end || full || stalled())) {
+        if (offers && (end || full || stalled())) {
             if (full || nearly) ++counts_.cost;
             return commit(column_, seam, drain);
         }
@@ -150,7 +152,7 @@ class Reducer {
     /// Ends all curves at their newest samples. @return true: frame() was committed.
     template <class Drain>
     bool flush(Drain&& drain) noexcept {
-        return started_ && end_curves(INT64_MAX, 0, Seam::carry, drain);
+        return started_ && end_curves(for_ever, 0, Seam::carry, drain);
     }
 
     const Frame& frame() const noexcept { return frame_; }
@@ -174,6 +176,17 @@ class Reducer {
         (f(std::get<Index>(channels_), std::integral_constant<std::size_t, Index>{}), ...);
     }
 
+    /// Channels, by bit, for which this column is due: it has passed since their last record, so
+    /// that all of their samples lie at or before it.
+    std::uint32_t take_due(std::int32_t column, std::uint32_t valid) noexcept {
+        std::uint32_t due = 0;
+        for (std::size_t i = 0; i < channel_count; ++i) {
+            if ((valid >> i & 1u) == 0 || column <= due_[i]) continue;
+            due_[i] = column;
+            due |= 1u << i;
+        }
+        return due;
+    }
     /// Ticks from `tick` to where the frame is likely to end.
     std::int32_t guess(std::int32_t tick) const noexcept {
         const std::int32_t left = window_.records - tick;
@@ -200,28 +213,28 @@ class Reducer {
     /// `gaps`. @return true: a frame was committed for it.
     template <class Drain>
     bool pause(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
+        const std::int64_t after_ns = t_ns - grid_.time_ns(start_);
         bool any = false;
         each([&](auto& c, auto index) {
-            any = any || (c.active() && gone(c, t_ns, gaps >> decltype(index)::value));
+            any = any || (c.active() && gone(c, after_ns, gaps >> decltype(index)::value));
         });
-        return any && end_curves(t_ns, gaps, seam, drain);
+        return any && end_curves(after_ns, gaps, seam, drain);
     }
+    /// after_ns: of the record, from the start of the frame.
     template <class Channel>
-    bool gone(const Channel& channel, std::int64_t t_ns, std::uint32_t gap) const noexcept {
-        if (t_ns == INT64_MAX) return true;
-        const std::int64_t newest =
-            grid_.time_ns(start_ + std::int64_t{channel.last_tick()} * curve::subs_per_tick);
-        if ((gap & 1u) != 0 && t_ns > newest) return true;
-        return t_ns - newest > std::int64_t{window_.gap_ticks} * grid_.tick_ns();
+    bool gone(const Channel& channel, std::int64_t after_ns, std::uint32_t gap) const noexcept {
+        const std::int64_t pause_ns = after_ns - channel.last_tick() * grid_.tick_ns();
+        if ((gap & 1u) != 0 && pause_ns > 0) return true;
+        return pause_ns > window_.gap_ticks * grid_.tick_ns();
     }
     template <class Drain>
-    bool end_curves(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
+    bool end_curves(std::int64_t after_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
         bool all = true,
              part = false;  // do all curves end; has one that ends samples in the window?
         std::int32_t tick = 0;
         each([&](auto& c, auto index) {
             if (!c.active()) return;
-            if (!gone(c, t_ns, gaps >> decltype(index)::value)) {
+            if (!gone(c, after_ns, gaps >> decltype(index)::value)) {
                 all = false;
             } else if (c.last_tick() > c.start_tick() || c.starts()) {
                 part = true;
@@ -235,7 +248,7 @@ class Reducer {
         if (!all && column_ > tick) tick = column_;
         if (part) return commit(tick, seam, drain);
         each([&](auto& c, auto index) {
-            if (c.active() && gone(c, t_ns, gaps >> decltype(index)::value)) c.stop();
+            if (c.active() && gone(c, after_ns, gaps >> decltype(index)::value)) c.stop();
         });
         if (all) started_ = false;
         return false;
@@ -261,7 +274,8 @@ class Reducer {
     }
     void restart_grid(std::int64_t t_ns) noexcept {
         start_ = grid_.subs(t_ns);
-        column_ = due_ = 0;
+        column_ = 0;
+        due_ = {};
         waiting_ = behind_ = 0;
         started_ = true;
     }
@@ -284,7 +298,8 @@ class Reducer {
         pending_ = true;
         ++counts_.frames;
         start_ += std::int64_t{tick} * curve::subs_per_tick;
-        column_ = due_ = 0;
+        column_ = 0;
+        due_ = {};
         waiting_ = behind_;
         started_ = any;
         return true;
@@ -296,8 +311,9 @@ class Reducer {
     Frame frame_{};
     Counts counts_{};
     std::int64_t start_{0};
-    std::int32_t column_{0};   // of the newest column in the frame
-    std::int32_t due_{0};      // of the newest one that was due: samples may lie behind it
+    std::int32_t column_{0};  // of the newest column in the frame
+    // of each channel, of the newest one that was due: its samples may lie behind it
+    std::array<std::int32_t, channel_count> due_{};
     std::int32_t waiting_{0};  // records since the oldest that is not committed
     std::int32_t behind_{0};   // the part of them that is behind the newest column
     bool started_{false}, pending_{false};

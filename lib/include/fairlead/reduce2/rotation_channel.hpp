@@ -27,6 +27,7 @@ struct RotationSegment {
     curve::RotationState start{};
     curve::GridQuat start_grid{};  // start.anchor, where `starts`
     curve::GridQuat end_grid{};    // where the frame tells its end: the anchor behind it
+    std::array<float, 3> told{};   // likewise: its place in the last chart of the frame
     curve::RotationState end{};    // after the frame: rebased
 };
 
@@ -86,7 +87,7 @@ class RotationChannel {
               Seam asked) noexcept {
         const bool told = end && asked != Seam::carry;
         const bool first = column >= 0 && (at.tick > column || (at.tick == column && at.part > 0));
-        if (far_ && column >= 0 && columns_ > 0) rechart();
+        if (far_ && column >= 0 && columns_ > 0 && !held_) rechart();
         const Place y = curve::place(state_.anchor, q, step_);
         if (first) offer(column, end, told, &at, &y);
         keep(at, q);
@@ -130,7 +131,10 @@ class RotationChannel {
         open_window(0);
         replace(segment_.present ? old_anchor_ : state_.anchor);
     }
-    void release() noexcept { samples_.release(); }
+    void release() noexcept {
+        samples_.release();
+        held_ = false;
+    }
     void stop() noexcept {
         active_ = last_ = false;
         samples_.drop();
@@ -139,6 +143,7 @@ class RotationChannel {
         stop();
         segment_ = {};
         samples_.clear();
+        held_ = false;
     }
 
     // ---- the committed frame
@@ -290,7 +295,8 @@ class RotationChannel {
             const bool told = frame_told_ && !jump && cursor_.step == frame_steps_;
             for (std::size_t a = 0; a < 3; ++a) {
                 const auto v = static_cast<float>(jump ? cursor_.state.chart.v[a] : before.v[a]);
-                const float end = told ? target_[a] : static_cast<float>(cursor_.state.chart.v[a]);
+                const float end =
+                    told ? segment_.told[a] : static_cast<float>(cursor_.state.chart.v[a]);
                 k.v[a] = v;
                 k.c[a] = curve::polynomial<float>(piece.code, before.fresh, before.s[a], end - v,
                                                   piece.subs / curve::subs_per_tick);
@@ -359,7 +365,8 @@ class RotationChannel {
         }
     }
     /// Commits the window at its last column and goes on about the vertex there; a column follows
-    /// in the same push, so that a frame never ends where a chart begins.
+    /// in the same push, so that a frame never ends where a chart begins. The memory for steps must
+    /// be free of those of a frame that has not left.
     void rechart() noexcept {
         const Line line = trend(column_tick_);
         const std::size_t best = search_.choose(line.value, line.slope, false);
@@ -489,11 +496,13 @@ class RotationChannel {
         step_count_ += search_.trace(best, ticks_, steps_, step_count_);
         frame_steps_ = step_count_;
         frame_told_ = told;
+        held_ = true;
         step_count_ = 0;
         old_anchor_ = state_.anchor;
         state_.chart = search_.state(best);
         if (told) {
             segment_.end_grid = end_grid_;
+            segment_.told = target_;
             curve::land(state_, end_anchor_, curve::place(state_.anchor, end_anchor_, step_),
                         step_);
             state_.chart.forget(seam == Seam::restart);
@@ -541,7 +550,7 @@ class RotationChannel {
     std::size_t columns_{0}, first_samples_{0}, step_count_{0}, frame_steps_{0};
     Cost spent_{0};
     bool active_{false}, starts_{false}, last_{false}, told_{false}, frame_told_{false},
-        far_{false};
+        far_{false}, held_{false};  // held: the steps are those of a committed frame
 };
 
 }  // namespace fairlead::reduce2
