@@ -1,6 +1,6 @@
 // A board on a serial line as a source. The line may come and go, lose bytes or add noise: whatever
-// is not a good frame is counted and dropped, and the decoder is back in step at the next restart
-// frame.
+// is not a good frame is counted and dropped, and the decoder is back in step behind the next
+// restart frame.
 #include <poll.h>
 
 #include <algorithm>
@@ -78,11 +78,14 @@ class Board : public Source {
             const std::uint32_t epoch = state.epoch;
             const bool news = follower.take(bytes.data(), *got);
             if (state.epoch != epoch) clock_.reset();
-            if (follower.restarted()) {
+            if (news) {
                 const std::int64_t on_line_ns =
                     static_cast<std::int64_t>(*got) * 10 * port::second / unit_.line.baud;
-                clock_.mark(follower.decoder().restart_ns(), arrival_ns, on_line_ns,
-                            follower.decoder().tick_ns());
+                const auto& stream = follower.decoder();
+                const std::int64_t tick_ns = stream.grid().tick_ns();
+                const std::int64_t left_ns =
+                    stream.grid().time_ns(stream.frame_end()) + unit_.latency * tick_ns;
+                clock_.mark(left_ns, arrival_ns, on_line_ns, tick_ns);
             }
             if (news)
                 show(arrival_ns, follower, feed, state);
@@ -95,8 +98,8 @@ class Board : public Source {
               UnitState& state) noexcept {
         follower.evaluate();
         state.arrival_ns = arrival_ns;
-        // the grid of knots is as fine as the samples are close
-        state.period_us = follower.decoder().tick_ns() / 1000;
+        state.period_us =
+            static_cast<std::uint32_t>(follower.decoder().grid().tick_ns() / port::us);
         if (clock_.known()) {
             state.t_ns = state.source_ns + clock_.offset_ns();
             state.clock_error_ns = static_cast<std::uint32_t>(

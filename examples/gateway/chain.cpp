@@ -1,22 +1,19 @@
 #include "examples/gateway/chain.hpp"
 
-#include "fairlead/imu_pipeline.hpp"
-#include "fairlead/pipeline.hpp"
+#include "fairlead/pipeline2.hpp"
 
 namespace fairlead::gateway {
 namespace {
 
-struct ChainConfig : PipelineConfig {
-    static constexpr std::size_t window = 120;
+template <class AnyInput, class... Channel>
+struct Board {
+    using Input = AnyInput;
+    using Channels = fairlead::Channels<Channel...>;
+    using Filter = NoFilter;
+    static constexpr std::size_t delay_records_max = 120;
+    static constexpr Beam beam = Beam::medium;
+    static constexpr std::size_t events_max = 6;
 };
-
-EncoderParams encoder_params(const UnitConfig& unit, std::uint32_t tick_ns) {
-    EncoderParams params;
-    params.tol_position_m.fill(static_cast<float>(unit.tolerance_m));
-    params.tol_orientation_rad = static_cast<float>(unit.tolerance_deg * 0.017453292519943295);
-    params.tick_ns = tick_ns;
-    return params;
-}
 
 template <class Record, class Inner>
 class ChainOf final : public Chain<Record> {
@@ -40,29 +37,38 @@ class ChainOf final : public Chain<Record> {
     Inner inner_;
 };
 
+template <class Params>
+Params params_of(const UnitConfig& unit, std::int64_t period_ns) {
+    Params params;
+    const bool usable = period_ns >= sample_period_min_ns && period_ns <= sample_period_max_ns;
+    params.sample_period_ns = usable ? period_ns : 0;
+    params.tolerance.orientation_rad =
+        static_cast<float>(unit.tolerance_deg * 0.017453292519943295);
+    return params;
+}
+
 template <AttitudeMode mode>
-std::unique_ptr<Chain<Sample>> sample_chain(const UnitConfig& unit, std::uint32_t tick_ns) {
-    using Inner = ImuPipeline<ChainConfig, mode>;
-    typename Inner::Params params;
+std::unique_ptr<Chain<Sample>> sample_chain(const UnitConfig& unit, std::int64_t period_ns) {
+    using Inner = Pipeline2<Board<Imu<mode>, Orientation>>;
+    auto params = params_of<typename Inner::Params>(unit, period_ns);
     params.calibration = unit.calibration;
     params.attitude.bias_max_rad_s = static_cast<float>(unit.bias_max_rad_s);
-    params.motion.encoder = encoder_params(unit, tick_ns);
     return std::make_unique<ChainOf<Sample, Inner>>(params);
 }
 
 }  // namespace
 
-std::unique_ptr<Chain<Pose>> make_pose_chain(const UnitConfig& unit, std::uint32_t tick_ns) {
-    using Inner = Pipeline<ChainConfig>;
-    Inner::Params params;
-    params.encoder = encoder_params(unit, tick_ns);
+std::unique_ptr<Chain<Pose>> make_pose_chain(const UnitConfig& unit, std::int64_t period_ns) {
+    using Inner = Pipeline2<Board<Pose, Position, Orientation>>;
+    auto params = params_of<Inner::Params>(unit, period_ns);
+    params.tolerance.position_m = static_cast<float>(unit.tolerance_m);
     return std::make_unique<ChainOf<Pose, Inner>>(params);
 }
 
-std::unique_ptr<Chain<Sample>> make_sample_chain(const UnitConfig& unit, std::uint32_t tick_ns,
+std::unique_ptr<Chain<Sample>> make_sample_chain(const UnitConfig& unit, std::int64_t period_ns,
                                                  bool magnetometer) {
-    return magnetometer ? sample_chain<AttitudeMode::imu_mag>(unit, tick_ns)
-                        : sample_chain<AttitudeMode::imu>(unit, tick_ns);
+    return magnetometer ? sample_chain<AttitudeMode::imu_mag>(unit, period_ns)
+                        : sample_chain<AttitudeMode::imu>(unit, period_ns);
 }
 
 }  // namespace fairlead::gateway

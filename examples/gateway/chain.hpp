@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "examples/gateway/config.hpp"
+#include "fairlead/base/bytes.hpp"
 #include "fairlead/base/types.hpp"
-#include "fairlead/wire/encoder.hpp"
 
 namespace fairlead::gateway {
 
@@ -20,7 +20,7 @@ class Chain {
     Chain(const Chain&) = delete;
     Chain& operator=(const Chain&) = delete;
 
-    /// As of Pipeline; the bytes are valid until the next call.
+    /// As of a pipeline; the bytes are valid until the next call. flush(): until Status::end.
     virtual Bytes push(const Record& record) noexcept = 0;
     virtual Bytes idle() noexcept = 0;
     virtual Bytes flush() noexcept = 0;
@@ -31,10 +31,10 @@ class Chain {
     virtual std::uint32_t faults() const noexcept = 0;
 };
 
-/// tick_ns: the grid of the knots, no coarser than two records are apart.
-std::unique_ptr<Chain<Pose>> make_pose_chain(const UnitConfig& unit, std::uint32_t tick_ns);
+/// period_ns: of the records; 0, or beyond what a pipeline takes: it is measured.
+std::unique_ptr<Chain<Pose>> make_pose_chain(const UnitConfig& unit, std::int64_t period_ns);
 /// Without a magnetometer, heading is relative to the start.
-std::unique_ptr<Chain<Sample>> make_sample_chain(const UnitConfig& unit, std::uint32_t tick_ns,
+std::unique_ptr<Chain<Sample>> make_sample_chain(const UnitConfig& unit, std::int64_t period_ns,
                                                  bool magnetometer);
 
 }  // namespace fairlead::gateway

@@ -1,8 +1,9 @@
 #pragma once
-// A board's clock on the gateway's clock, from the times that the board's restart frames carry.
+// A board's clock on the gateway's clock, from the times at which its frames end.
 //
-// A restart frame says when the board made it, to a tick; it arrives later by the time on the line
-// and by whatever wakes this program up. Arrival minus that time is therefore the clocks' offset
+// A frame leaves the board a constant number of records behind its end (the filter's latency, and
+// the pushes in which it is coded), to a tick; it arrives later by the time on the line and by
+// whatever wakes this program up. Arrival minus the time of leaving is therefore the clocks' offset
 // plus a delay that is never negative: the smallest of the last few is the best, and its excess is
 // bounded by a tick, the line, a wake-up and what two crystals drift apart meanwhile.
 #include <cstdint>
@@ -18,9 +19,9 @@ class ClockMap {
 
     void reset() noexcept { marks_.clear(); }
 
-    /// on_line_ns: what the frame itself takes on the line.
+    /// source_ns: when the frame left the board; on_line_ns: what it takes on the line.
     void mark(std::int64_t source_ns, std::int64_t arrival_ns, std::int64_t on_line_ns,
-              std::uint32_t tick_ns) noexcept {
+              std::int64_t tick_ns) noexcept {
         if (marks_.full()) marks_.pop();
         marks_.push({arrival_ns - on_line_ns - source_ns, arrival_ns, tick_ns + on_line_ns});
     }

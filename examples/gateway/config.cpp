@@ -46,13 +46,13 @@ bool same(const port::ModbusTcpLimits& a, const port::ModbusTcpLimits& b) {
 }  // namespace
 
 bool operator==(const UnitConfig& a, const UnitConfig& b) {
-    const auto& [id, name, source, stale_s, file, speed, loop, device, line, imu, bus, spi_hz,
-                 mag_bus, calibration, bias_max_rad_s, chip, line_number, buttons, tolerance_m,
-                 tolerance_deg] = a;
+    const auto& [id, name, source, stale_s, file, speed, loop, device, line, latency, imu, bus,
+                 spi_hz, mag_bus, calibration, bias_max_rad_s, chip, line_number, buttons,
+                 tolerance_m, tolerance_deg] = a;
     return id == b.id && name == b.name && source == b.source && stale_s == b.stale_s &&
            file == b.file && speed == b.speed && loop == b.loop && device == b.device &&
-           same(line, b.line) && same(imu, b.imu) && bus == b.bus && spi_hz == b.spi_hz &&
-           mag_bus == b.mag_bus && same(calibration, b.calibration) &&
+           same(line, b.line) && latency == b.latency && same(imu, b.imu) && bus == b.bus &&
+           spi_hz == b.spi_hz && mag_bus == b.mag_bus && same(calibration, b.calibration) &&
            bias_max_rad_s == b.bias_max_rad_s && chip == b.chip && line_number == b.line_number &&
            same(buttons, b.buttons) && tolerance_m == b.tolerance_m &&
            tolerance_deg == b.tolerance_deg;

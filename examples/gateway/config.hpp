@@ -45,6 +45,7 @@ struct UnitConfig {
 
     std::string device;  // serial line
     port::SerialConfig line{};
+    int latency{3};  // records from the end of a frame to its leaving the board
 
     port::ImuSetup imu;             // sensor on this machine
     std::string bus{"/dev/i2c-1"};  // or "/dev/spidev0.0"

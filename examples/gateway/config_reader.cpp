@@ -196,6 +196,7 @@ void read_unit(Section& section, Config& config, const std::filesystem::path& fo
         section.require("device");
         section.text("device", unit.device);
         read_line(section, unit.line);
+        section.integer("latency", unit.latency, 0, 250);
     } else if (source == "sensor") {
         unit.source = SourceKind::sensor;
         read_sensor(section, unit, folder);
@@ -206,7 +207,7 @@ void read_unit(Section& section, Config& config, const std::filesystem::path& fo
     }
     if (source == "replay" || source == "sensor") {
         section.real("tolerance_m", unit.tolerance_m, 1e-6, 10);
-        section.real("tolerance_deg", unit.tolerance_deg, 1e-3, 45);
+        section.real("tolerance_deg", unit.tolerance_deg, 0.007, 28.6);
     }
     section.finish();
     config.units.push_back(unit);

@@ -33,7 +33,9 @@ struct UnitState {
     std::uint32_t bytes{};
     std::uint32_t frames{};
     std::uint32_t frames_damaged{};
-    std::uint32_t frames_lost{};
+    std::uint32_t breaks{};
+    std::uint32_t headers_refused{};
+    std::uint16_t stream_id{};
     std::uint32_t bytes_skipped{};
     std::uint32_t resyncs{};
     std::uint32_t opened{};
@@ -51,7 +53,6 @@ struct UnitState {
 
 enum class SpanKind : std::uint8_t {
     append,
-    extend,   // the newest span of its channel again, with more cover
     restart,  // a new run begins: only `epoch` counts
 };
 struct SpanItem {
@@ -69,7 +70,7 @@ struct EventItem {
 /// One unit's link from its source to the server.
 struct UnitFeed {
     port::TripleBuffer<UnitState> state;
-    port::Queue<SpanItem, 256> spans;
+    port::Queue<SpanItem, 1024> spans;  // some frames
     port::Queue<EventItem, 64> events;
 };
 

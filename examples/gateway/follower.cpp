@@ -16,36 +16,6 @@ namespace status_bit = port::registers::status_bit;
 constexpr std::int64_t channel_gone_ns = 1'000'000'000;  // a channel so far behind has ended
 constexpr std::int64_t patience_ns = 2'000'000'000;      // how long a replay waits for the server
 
-CurveSpan span_of(const wire::Link<Decoder::Position>& link, std::uint32_t tick_ns) noexcept {
-    CurveSpan out;
-    out.channel = CurveChannel::position;
-    out.t0_ns = link.curve.span.t0_ns;
-    out.tick_ns = tick_ns;
-    out.cover_ticks = link.cover_ticks;
-    const auto c = Polynomial<3, 4>{link.curve.span}.c;
-    for (std::size_t m = 0; m < c.size(); ++m) {
-        for (std::size_t d = 0; d < 3; ++d) out.c[m][d + 1] = c[m][d] * link.scale.unit(d);
-    }
-    return out;
-}
-
-CurveSpan span_of(const wire::Link<Decoder::Orientation>& link, std::uint32_t tick_ns) noexcept {
-    CurveSpan out;
-    out.channel = CurveChannel::orientation;
-    out.t0_ns = link.curve.span.t0_ns;
-    out.tick_ns = tick_ns;
-    out.cover_ticks = link.cover_ticks;
-    out.c = Polynomial<4, 4>{link.curve.span}.c;
-    for (auto& power : out.c) {
-        for (float& component : power) component *= link.scale.unit();
-    }
-    return out;
-}
-
-bool same_polynomial(const CurveSpan& a, const CurveSpan& b) noexcept {
-    return a.t0_ns == b.t0_ns && a.c == b.c;
-}
-
 }  // namespace
 
 std::uint32_t new_epoch() noexcept {
@@ -56,98 +26,84 @@ std::uint32_t new_epoch() noexcept {
 }
 
 const CurveSpan* OpenCurve::covering(std::int64_t t_ns) const noexcept {
-    for (std::size_t i = spans_.size(); i-- > 0;) {
-        if (spans_[i].t0_ns <= t_ns) return spans_[i].covers(t_ns) ? &spans_[i] : nullptr;
-    }
+    for (std::size_t i = spans_.size(); i-- > 0;)
+        if (spans_[i].covers(t_ns)) return &spans_[i];
     return nullptr;
 }
 
+void OpenCurve::clear() noexcept {
+    maker_.clear();
+    spans_.clear();
+    joins_ = 0;
+    in_gap_ = false;
+}
+
 bool CurveFollower::take(const std::uint8_t* bytes, std::size_t size) noexcept {
-    const std::uint32_t frames = decoder_.counters().frames;
-    const std::uint32_t restarts = decoder_.counters().restarts;
+    const std::uint32_t frames = decoder_.frame_counters().frames;
     for (std::size_t i = 0; i < size; ++i) {
+        ++received_;
         if (decoder_.push(bytes[i])) follow();
     }
     state_.bytes += static_cast<std::uint32_t>(size);
-    restarted_ = decoder_.counters().restarts != restarts;
-    if (decoder_.in_step()) {
-        state_.status = static_cast<std::uint16_t>(state_.status & ~status_bit::out_of_step);
-    } else {
-        state_.status |= status_bit::out_of_step;
-    }
-    state_.frames = decoder_.counters().frames;
-    state_.frames_damaged = decoder_.counters().damaged;
-    state_.frames_lost = decoder_.counters().lost_frames;
-    state_.bytes_skipped = decoder_.counters().skipped_bytes;
+    tell_health();
+    return decoder_.frame_counters().frames != frames;
+}
+
+void CurveFollower::finish() noexcept {
+    while (decoder_.finish()) follow();
+    tell_health();
+}
+
+void CurveFollower::tell_health() noexcept {
+    const auto& frames = decoder_.frame_counters();
+    state_.status = static_cast<std::uint16_t>(state_.status & ~status_bit::out_of_step);
+    if (!decoder_.in_step()) state_.status |= status_bit::out_of_step;
+    state_.frames = frames.frames;
+    state_.frames_damaged = frames.losses;
+    state_.resyncs = frames.joins;
+    state_.breaks = decoder_.counters().breaks;
+    state_.headers_refused = decoder_.counters().refused;
+    state_.stream_id = decoder_.stream_id();
     state_.events_lost = decoder_.event_counters().lost + state_.events_dropped;
-    return decoder_.counters().frames != frames;
 }
 
 void CurveFollower::follow() noexcept {
-    Decoder::Update update;
-    while (decoder_.next(update)) apply(update);
-    send_newest(orientation_);
-    send_newest(position_);
+    if (run_index_ != 0 && decoder_.run_index() != run_index_) restart();  // the clock began anew
+    run_index_ = decoder_.run_index();
+    for (wire2::CurvePiece piece; decoder_.next(piece);)
+        (piece.rotates ? orientation_ : position_).maker_.take(piece);
+    append(orientation_);
+    append(position_);
     Event event;
     while (decoder_.next_event(event)) {
         const EventItem item{event.t_ns, event.channel, event.value};
         if (!feed_.events.push(item)) ++state_.events_dropped;
     }
+    // between frames nothing is pending: what was received and not believed was passed over
+    state_.bytes_skipped =
+        static_cast<std::uint32_t>(received_ - decoder_.frame_counters().good_bytes);
 }
 
-void CurveFollower::apply(const Decoder::Update& update) noexcept {
-    const bool is_position = update.channel == Decoder::Channel::position;
-    OpenCurve& curve = is_position ? position_ : orientation_;
-    CurveSpan span = is_position ? span_of(decoder_.position(), decoder_.tick_ns())
-                                 : span_of(decoder_.orientation(), decoder_.tick_ns());
-    // a restart frame tells again what a decoder that missed nothing of this curve already has
-    const bool known = curve.has_any() && same_polynomial(curve.newest(), span);
-    if (update.piece && !(update.rejoined && known)) {
-        span.begins = update.begins || update.rejoined;
-        if (update.rejoined) ++state_.resyncs;
-        const bool gap = span.begins && !update.breaks && curve.has_any();
-        if (gap) ++state_.gaps;
-        open(curve, span);
-        curve.in_gap_ = gap || (curve.in_gap_ && !span.begins);
-    } else if (curve.has_any()) {
-        curve.changed_ = curve.changed_ || span.cover_ticks != curve.newest().cover_ticks;
-        curve.spans_[curve.spans_.size() - 1].cover_ticks = span.cover_ticks;
-        curve.covers_ = true;
-    }
-}
-
-void CurveFollower::open(OpenCurve& curve, const CurveSpan& span) noexcept {
-    if (curve.has_any() && span.t0_ns < curve.newest().t0_ns) restart();  // the clock began anew
-    if (curve.has_any()) {
-        CurveSpan& last = curve.spans_[curve.spans_.size() - 1];
-        if (!span.begins) {  // final up to the knot where the next one takes over
-            last.cover_ticks =
-                static_cast<std::uint32_t>((span.t0_ns - last.t0_ns) / std::int64_t{last.tick_ns});
-            curve.covers_ = curve.changed_ = true;
-            send_newest(curve);
+void CurveFollower::append(OpenCurve& curve) noexcept {
+    const std::uint32_t joins = decoder_.frame_counters().joins;
+    for (CurveSpan span; curve.maker_.next(decoder_.grid(), span);) {
+        if (span.begins) {
+            curve.in_gap_ = curve.has_any() && curve.joins_ == joins;
+            if (curve.in_gap_) ++state_.gaps;
+            curve.joins_ = joins;
         }
+        if (curve.spans_.full()) curve.spans_.pop();
+        curve.spans_.push(span);
+        send({span, SpanKind::append, state_.epoch});
     }
-    if (curve.spans_.full()) curve.spans_.pop();
-    curve.spans_.push(span);
-    curve.sent_ = false;
-    curve.covers_ = span.begins || span.cover_ticks > 0;
 }
 
 void CurveFollower::restart() noexcept {
-    orientation_ = OpenCurve{CurveChannel::orientation};
-    position_ = OpenCurve{CurveChannel::position};
+    orientation_.clear();
+    position_.clear();
     state_.epoch = new_epoch();
     state_.sequence = 0;
     send({{}, SpanKind::restart, state_.epoch});
-}
-
-void CurveFollower::send_newest(OpenCurve& curve) noexcept {
-    if (!curve.has_any() || (curve.sent_ && !curve.changed_)) return;
-    // a knot alone covers nothing: what follows may continue there or begin anew
-    if (!curve.covers_) return;
-    send({curve.newest(), curve.sent_ ? SpanKind::extend : SpanKind::append, state_.epoch});
-    curve.sent_ = true;
-    curve.changed_ = false;
 }
 
 void CurveFollower::send(const SpanItem& item) noexcept {
@@ -161,8 +117,8 @@ void CurveFollower::send(const SpanItem& item) noexcept {
 }
 
 void CurveFollower::evaluate() noexcept {
-    const auto end = [](const OpenCurve& c) {  // the last tick that is final
-        return c.has_any() ? c.newest().t1_ns() - std::int64_t{c.newest().tick_ns} : INT64_MIN;
+    const auto end = [](const OpenCurve& c) {
+        return c.has_any() ? c.newest().t1_ns() : INT64_MIN;
     };
     const std::int64_t newest = std::max(end(orientation_), end(position_));
     if (newest == INT64_MIN) return;

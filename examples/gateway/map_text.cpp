@@ -148,12 +148,11 @@ std::string map_markdown() {
            "so no two requests need to agree. Every page begins with:\n\n" +
            table_of(reg::page_fields, "offset") + "### A span\n\nAt offset " +
            number(reg::page_header) + " + " + number(reg::span_size) +
-           " *i* of an orientation or position page. With u = (t - t0_ns) / tick_ns and "
-           "y = c0 + c1 u + c2 u^2 + c3 u^3, the position is (x, y, z) of y and the orientation is "
-           "the "
-           "quaternion y taken to unit length. The registers hold the floats with which "
-           "the "
-           "decoder itself computes: evaluated in float, the curve is the same bit for bit.\n\n" +
+           " *i* of an orientation or position page. With u = (t - t0_ns) in seconds and "
+           "y = c0 + c1 u + c2 u^2 + c3 u^3, the position is y, and the orientation is "
+           "anchor * exp(y): the anchor, and behind it a turn by |y| rad about y, in the body. A "
+           "span is final when it is there. It goes from one vertex of the curve to the next, of "
+           "any axis of a position.\n\n" +
            table_of(reg::span_fields, "offset") + "### An event\n\nAt offset " +
            number(reg::page_header) + " + " + number(reg::event_size) +
            " *i* of an event page.\n\n" + table_of(reg::event_fields, "offset");

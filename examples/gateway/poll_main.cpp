@@ -113,7 +113,7 @@ class Trajectory {
                                             : orientation.begin()->second.t0_ns;
         }
         std::int64_t t_ns = 0;
-        while (next_time(t_ns) && t_ns < until_ns) {
+        while (next_time(t_ns) && t_ns <= until_ns) {
             row(reader, t_ns);
             ++next_;
         }

@@ -122,22 +122,21 @@ PollResult CurveReader::poll_channel(CurveChannel which, std::uint32_t next) {
         }
         for (std::uint16_t i = 0; i < header.count; ++i) {
             const CurveSpan span = reg::get_span(
-                page.data() + reg::page_header + i * reg::span_size, which, header.tick_ns);
+                page.data() + reg::page_header + i * reg::span_size, which, header.sub_ns);
             counters_.spans += channel.spans.count(first + i) == 0 ? 1u : 0u;
             channel.spans[first + i] = span;
         }
-        const std::uint32_t end = first + header.count;  // its last span may still grow
-        channel.wanted = header.count == reg::spans_per_page && end < next ? end : end - 1;
-        if (end >= next) break;
+        const std::uint32_t end = first + header.count;
+        if (end <= channel.wanted) break;  // the page is older than the count
+        channel.wanted = end;
     }
     return PollResult::ok;
 }
 
 const CurveSpan* CurveReader::covering(CurveChannel channel, std::int64_t t_ns) const noexcept {
     const Spans& spans = of(channel).spans;
-    for (auto it = spans.rbegin(); it != spans.rend(); ++it) {
-        if (it->second.t0_ns <= t_ns) return it->second.covers(t_ns) ? &it->second : nullptr;
-    }
+    for (auto it = spans.rbegin(); it != spans.rend() && it->second.t1_ns() >= t_ns; ++it)
+        if (it->second.covers(t_ns)) return &it->second;
     return nullptr;
 }
 
@@ -150,7 +149,7 @@ std::int64_t CurveReader::covered_until_ns(CurveChannel channel) const noexcept 
 void CurveReader::drop_before(std::int64_t t_ns) {
     for (Channel& channel : channels_) {
         Spans& spans = channel.spans;
-        while (spans.size() > 1 && std::next(spans.begin())->second.t0_ns < t_ns) {
+        while (spans.size() > 1 && spans.begin()->second.t1_ns() < t_ns) {
             spans.erase(spans.begin());
         }
     }

@@ -1,5 +1,6 @@
 #pragma once
-// The other side: rebuilds a unit's curves from polled registers, span by span, bit for bit.
+// The other side: rebuilds a unit's curves from polled registers, span by span, with the numbers
+// that the gateway itself evaluates.
 //
 // Nothing is assumed about two requests: a page says by itself to which run and where it belongs.
 // A poll that comes too late for the ring knows how many spans it lost; a new epoch ends the run.
@@ -50,19 +51,19 @@ class CurveReader {
     /// The events of this run so far, oldest first.
     const std::vector<EventItem>& events() const noexcept { return events_; }
 
-    /// Spans by number; all but the newest are final. drop_before() forgets what is not needed.
+    /// Spans by number; all are final. drop_before() forgets what is not needed.
     using Spans = std::map<std::uint32_t, port::CurveSpan>;
     const Spans& spans(port::CurveChannel channel) const noexcept { return of(channel).spans; }
     /// The span that covers t, or null.
     const port::CurveSpan* covering(port::CurveChannel channel, std::int64_t t_ns) const noexcept;
-    /// Nothing at or before this time changes any more.
+    /// The curve is final up to and with this time.
     std::int64_t covered_until_ns(port::CurveChannel channel) const noexcept;
     void drop_before(std::int64_t t_ns);
 
   private:
     struct Channel {
         Spans spans;
-        std::uint32_t wanted{};  // first span that is not final
+        std::uint32_t wanted{};  // first span that is not read
     };
     const Channel& of(port::CurveChannel c) const noexcept {
         return channels_[static_cast<std::size_t>(c)];

@@ -155,10 +155,9 @@ inline constexpr auto fields = rows({
     state<Type::u32, &UnitState::bytes>(104, "health.bytes", "", "bytes received from the line"),
     state<Type::u32, &UnitState::frames>(106, "health.frames", "", "good frames received"),
     state<Type::u32, &UnitState::frames_damaged>(
-        108, "health.frames_damaged", "",
-        "losses of step: a frame with a wrong checksum or nonsense"),
+        108, "health.frames_damaged", "", "losses of step: damaged, missing or foreign frames"),
     state<Type::u32, &UnitState::resyncs>(110, "health.resyncs", "",
-                                          "times that a curve was back in step"),
+                                          "times that the reader was in step, the first included"),
     state<Type::u32, &UnitState::opened>(112, "health.source_opened", "",
                                          "times that the line or the sensor was opened"),
     state<Type::u32, &UnitState::lost>(114, "health.source_lost", "", "times that it went away"),
@@ -170,10 +169,10 @@ inline constexpr auto fields = rows({
                                                  "arrival to publication, the longest of this run"),
     state<Type::u32, &UnitState::deadline_misses>(
         122, "health.deadline_misses", "", "publications later than two periods after arrival"),
-    state<Type::u32, &UnitState::frames_lost>(124, "health.frames_lost", "",
-                                              "frames missing by the stream's sequence numbers"),
+    state<Type::u32, &UnitState::breaks>(
+        124, "health.breaks", "", "jumps of a curve, where nothing else keeps the tolerance"),
     state<Type::u32, &UnitState::bytes_skipped>(126, "health.bytes_skipped", "",
-                                                "bytes passed over while out of step"),
+                                                "bytes that belong to no frame that was believed"),
 
     row<Type::u32, &View::uptime_s>(128, "server.uptime_s", "s", "since the program started"),
     server<Type::u32, &ServerState::clients>(130, "server.clients", "", "TCP connections now"),
@@ -226,6 +225,11 @@ inline constexpr auto fields = rows({
         176, "sensor.clock_jumps", "", "edges with times that were not believed"),
     server<Type::u32, &ServerState::log_dropped>(178, "server.log_dropped", "",
                                                  "log lines that nobody took"),
+
+    state<Type::u32, &UnitState::headers_refused>(180, "stream.refused", "",
+                                                  "headers of streams of another version or shape"),
+    state<Type::u16, &UnitState::stream_id>(182, "stream.id", "",
+                                            "the stream that is followed, by its header"),
 
     page(256, Type::u32, "events.epoch", "first event page (4 pages of 125): header as in history"),
     page(258, Type::u32, "events.first", "number of the page's first event"),

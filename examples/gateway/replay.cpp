@@ -15,17 +15,6 @@ namespace {
 
 namespace status_bit = port::registers::status_bit;
 
-/// The grid of knots: no coarser than the closest two records.
-template <class Record>
-std::uint32_t tick_of(const std::vector<Record>& records) {
-    std::int64_t closest = 4 * port::ms;
-    for (std::size_t i = 1; i < records.size(); ++i) {
-        const std::int64_t step = records[i].t_ns - records[i - 1].t_ns;
-        if (step > 0) closest = std::min(closest, step);
-    }
-    return static_cast<std::uint32_t>(std::max(closest, 100 * port::us));
-}
-
 bool has_magnetometer(const std::vector<Sample>& samples) {
     return std::any_of(samples.begin(), samples.end(),
                        [](const Sample& s) { return (s.flags & flag::mag_valid) != 0; });
@@ -60,12 +49,13 @@ class Replay : public Source {
   private:
     /// @return false when stopped before the end.
     bool play(CurveFollower& follower, UnitFeed& feed, UnitState& state) {
+        const auto period_ns = static_cast<std::int64_t>(recording_.period_s * 1e9);
         if (recording_.samples.empty()) {
-            const auto chain = make_pose_chain(unit_, tick_of(recording_.poses));
+            const auto chain = make_pose_chain(unit_, period_ns);
             return play(recording_.poses, *chain, follower, feed, state);
         }
-        const auto chain = make_sample_chain(unit_, tick_of(recording_.samples),
-                                             has_magnetometer(recording_.samples));
+        const auto chain =
+            make_sample_chain(unit_, period_ns, has_magnetometer(recording_.samples));
         return play(recording_.samples, *chain, follower, feed, state);
     }
 
@@ -91,9 +81,11 @@ class Replay : public Source {
             if (unit_.speed == 1) state.clock_error_ns = static_cast<std::uint32_t>(port::us);
             publish(feed, state);
         }
-        for (Bytes bytes = chain.flush(); !bytes.empty(); bytes = chain.flush()) {
+        for (Bytes bytes; bytes.status != Status::end;) {
+            bytes = chain.flush();
             follower.take(bytes.data, bytes.size);
         }
+        follower.finish();
         return true;
     }
 

@@ -102,9 +102,7 @@ class Sensor : public Source {
         const std::int64_t period_ns = loop.period_ns();
         state.period_us = static_cast<std::uint32_t>(period_ns / port::us);
         state.clock_error_ns = static_cast<std::uint32_t>(ClockMap::wakeup_ns);
-        const std::int64_t tick_ns = std::clamp(period_ns / 2, 100 * port::us, 4 * port::ms);
-        chain_ =
-            make_sample_chain(unit_, static_cast<std::uint32_t>(tick_ns), !unit_.imu.mag.empty());
+        chain_ = make_sample_chain(unit_, period_ns, !unit_.imu.mag.empty());
     }
 
     void take_events() noexcept {

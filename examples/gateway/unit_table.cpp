@@ -57,15 +57,13 @@ void UnitTable::collect(UnitFeed& feed) noexcept {
 
 void UnitTable::append(const SpanItem& item) noexcept {
     if (item.kind == SpanKind::restart) return restart(item.epoch);
-    std::uint32_t& next = spans_[static_cast<std::size_t>(item.span.channel)];
-    if (item.kind == SpanKind::append || next == 0) ++next;
-    const std::uint32_t n = next - 1;
+    const std::uint32_t n = spans_[static_cast<std::size_t>(item.span.channel)]++;
     const std::uint32_t place = n % reg::spans_per_page;
     std::uint16_t* page = registers() + reg::page_address(reg::history_begin(item.span.channel), n,
                                                           reg::spans_per_page, reg::history_pages);
     if (place == 0) std::fill_n(page, reg::page_size, std::uint16_t{0});
     reg::put_page_header(page, {view_.epoch, n - place, static_cast<std::uint16_t>(place + 1),
-                                static_cast<std::uint16_t>(item.span.channel), item.span.tick_ns});
+                                static_cast<std::uint16_t>(item.span.channel), item.span.sub_ns});
     reg::put_span(page + reg::page_header + place * reg::span_size, item.span);
 }
 

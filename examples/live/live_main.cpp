@@ -121,7 +121,7 @@ std::string as_json(const gateway::UnitState& s, std::int64_t now_ns, int viewer
              {"bytes", s.bytes},
              {"frames", s.frames},
              {"damaged", s.frames_damaged},
-             {"lost", s.frames_lost},
+             {"breaks", s.breaks},
              {"publish_us", s.publish_us},
              {"publish_max_us", s.publish_max_us}})
         put(out, name, count);

@@ -91,7 +91,7 @@ class ModbusUnit : public Source {
         s.bytes = u32(FAIRLEAD_ROW("health.bytes"));
         s.frames = u32(FAIRLEAD_ROW("health.frames"));
         s.frames_damaged = u32(FAIRLEAD_ROW("health.frames_damaged"));
-        s.frames_lost = u32(FAIRLEAD_ROW("health.frames_lost"));
+        s.breaks = u32(FAIRLEAD_ROW("health.breaks"));
         s.publications = u32(FAIRLEAD_ROW("health.publications"));
         s.publish_us = u32(FAIRLEAD_ROW("health.publish_us"));
         s.publish_max_us = u32(FAIRLEAD_ROW("health.publish_max_us"));

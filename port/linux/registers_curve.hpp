@@ -1,11 +1,17 @@
 #pragma once
-// A span as the history carries it: the polynomial with which the decoder itself evaluates, so that
-// a reader has the same curve bit for bit. Scaling by the channel's unit, a power of two, is exact.
+// A span as the history carries it: the polynomials of a channel between two vertices of its curve,
+// in seconds and SI units, so that a reader needs a sum of powers and, for a rotation, one
+// exponential.
+//
+// Axes of a position have vertices of their own; a span goes from one vertex of any axis to the
+// next of any. Its numbers are floats: against the decoder's curve in double they are off by half a
+// unit in the last place of the coordinate, and by 1e-6 of a rotation at most.
 #include <array>
 #include <cstdint>
 
 #include "fairlead/base/types.hpp"
-#include "fairlead/reduce/evaluate.hpp"
+#include "fairlead/math/quat.hpp"
+#include "fairlead/math/rotation_rates.hpp"
 #include "port/linux/registers.hpp"
 
 namespace fairlead::port {
@@ -16,50 +22,43 @@ struct CurveSpan {
     CurveChannel channel{};
     bool begins{};  // nothing joins it to the span before it
     std::int64_t t0_ns{};
-    std::uint32_t tick_ns{1};
-    std::uint32_t cover_ticks{};
-    std::array<std::array<float, 4>, 4> c{};  // w x y z of each power; a position has no w
+    std::uint32_t sub_ns{1};      // unit of `cover`: a sub-tick of the stream
+    std::uint32_t cover{};        // holds for 0 < t - t0_ns <= cover * sub_ns, in ns
+    Quat anchor{};                // of an orientation
+    std::array<Vec3, 4> power{};  // of u = (t - t0_ns) in seconds: position, or rotation vector
 
-    std::int64_t t1_ns() const noexcept {
-        return t0_ns + std::int64_t{cover_ticks} * std::int64_t{tick_ns};
+    std::int64_t t1_ns() const noexcept { return t0_ns + std::int64_t{cover} * sub_ns; }
+    /// Behind its start up to its end; one that begins also at its start.
+    bool covers(std::int64_t t_ns) const noexcept {
+        return t_ns <= t1_ns() && (begins ? t_ns >= t0_ns : t_ns > t0_ns);
     }
-    bool covers(std::int64_t t_ns) const noexcept { return t_ns >= t0_ns && t_ns < t1_ns(); }
 };
 
 namespace curve {
 
-using Polynomial = fairlead::Polynomial<4, 4>;
-
-inline Polynomial polynomial(const CurveSpan& span) noexcept {
-    Polynomial p;
-    p.c = span.c;
-    return p;
+inline float seconds(const CurveSpan& span, std::int64_t t_ns) noexcept {
+    return static_cast<float>(t_ns - span.t0_ns) * 1e-9f;
 }
-inline float ticks(const CurveSpan& span, std::int64_t t_ns) noexcept {
-    return ticks_between(span.t0_ns, t_ns, span.tick_ns);
+/// The polynomial and its two derivatives.
+inline std::array<Vec3, 3> polynomial(const CurveSpan& span, std::int64_t t_ns) noexcept {
+    const float u = seconds(span, t_ns);
+    const auto& c = span.power;
+    return {c[0] + u * (c[1] + u * (c[2] + u * c[3])), c[1] + u * (2.0f * c[2] + 3.0f * u * c[3]),
+            2.0f * c[2] + 6.0f * u * c[3]};
 }
 inline Vec3 position(const CurveSpan& span, std::int64_t t_ns) noexcept {
-    const auto y = polynomial(span)(ticks(span, t_ns));
-    return {y[1], y[2], y[3]};
+    return polynomial(span, t_ns)[0];
 }
 inline Vec3 velocity_m_s(const CurveSpan& span, std::int64_t t_ns) noexcept {
-    const auto y = polynomial(span).derivative(ticks(span, t_ns), 1);
-    const float per_second = 1e9f / static_cast<float>(span.tick_ns);
-    return per_second * Vec3{y[1], y[2], y[3]};
+    return polynomial(span, t_ns)[1];
 }
 inline Quat orientation(const CurveSpan& span, std::int64_t t_ns) noexcept {
-    return OrientationChannel::value(polynomial(span)(ticks(span, t_ns)), {});
+    return normalised(span.anchor * from_rotation_vector(polynomial(span, t_ns)[0]));
 }
-/// Body rate 2 vec(conj(p) dp/dt) / p.p of a quaternion polynomial p.
+/// Angular rate of the body.
 inline Vec3 rate_rad_s(const CurveSpan& span, std::int64_t t_ns) noexcept {
-    const float u = ticks(span, t_ns);
-    const Polynomial polynomial_of_span = polynomial(span);
-    const auto y = polynomial_of_span(u);
-    const auto y1 = polynomial_of_span.derivative(u, 1);
-    const Quat p{y[0], y[1], y[2], y[3]}, p1{y1[0], y1[1], y1[2], y1[3]};
-    const float square = dot(p, p);
-    if (!(square > 0)) return {};
-    return 2e9f / (static_cast<float>(span.tick_ns) * square) * vec(conj(p) * p1);
+    const auto theta = polynomial(span, t_ns);
+    return rotation_motion(theta[0], theta[1], theta[2]).velocity;
 }
 
 }  // namespace curve
@@ -72,14 +71,14 @@ struct PageHeader {
     std::uint32_t first{};
     std::uint16_t count{};
     std::uint16_t channel{};
-    std::uint32_t tick_ns{};
+    std::uint32_t sub_ns{};
 };
 
 namespace detail {
 
-template <std::size_t Power, std::size_t Part>
+template <std::size_t Power, float Vec3::*Part>
 float coefficient(const CurveSpan& span) noexcept {
-    return span.c[Power][Part];
+    return span.power[Power].*Part;
 }
 inline std::uint16_t span_flags(const CurveSpan& span) noexcept { return span.begins ? 1 : 0; }
 
@@ -95,36 +94,37 @@ inline constexpr auto page_fields = rows({
     row<Type::u16, &PageHeader::count>(4, "count", "",
                                        "records in it; fewer than full: the newest page"),
     row<Type::u16, &PageHeader::channel>(5, "channel", "", "0 orientation, 1 position, 2 events"),
-    row<Type::u32, &PageHeader::tick_ns>(6, "tick_ns", "ns", "unit of time of the polynomials"),
+    row<Type::u32, &PageHeader::sub_ns>(6, "sub_ns", "ns", "unit of the spans' cover"),
 });
 
-/// With u = (t - t0_ns) / tick_ns and y = c0 + c1 u + c2 u^2 + c3 u^3:
-/// position: x y z of y; orientation: y at unit length.
+/// With u = (t - t0_ns) in seconds and y = c0 + c1 u + c2 u^2 + c3 u^3: a position is y; an
+/// orientation is anchor * exp(y), where exp turns by |y| rad about y.
 inline constexpr auto span_fields = rows({
-    row<Type::i64, &CurveSpan::t0_ns>(0, "t0_ns", "ns", "its knot, on the source's clock"),
-    row<Type::u32, &CurveSpan::cover_ticks>(
-        4, "cover_ticks", "", "valid for 0 <= u < cover_ticks; grows while it is the newest"),
-    row<Type::f32, detail::coefficient<0, 0>>(6, "c0_w", "m or 1",
-                                              "value at the knot; 0 for a position"),
-    row<Type::f32, detail::coefficient<0, 1>>(8, "c0_x", "m or 1", ""),
-    row<Type::f32, detail::coefficient<0, 2>>(10, "c0_y", "m or 1", ""),
-    row<Type::f32, detail::coefficient<0, 3>>(12, "c0_z", "m or 1", ""),
-    row<Type::f32, detail::coefficient<1, 0>>(14, "c1_w", "per tick",
-                                              "first Taylor coefficient; 0 for a position"),
-    row<Type::f32, detail::coefficient<1, 1>>(16, "c1_x", "per tick", ""),
-    row<Type::f32, detail::coefficient<1, 2>>(18, "c1_y", "per tick", ""),
-    row<Type::f32, detail::coefficient<1, 3>>(20, "c1_z", "per tick", ""),
-    row<Type::f32, detail::coefficient<2, 0>>(22, "c2_w", "per tick^2",
-                                              "second Taylor coefficient; 0 for a position"),
-    row<Type::f32, detail::coefficient<2, 1>>(24, "c2_x", "per tick^2", ""),
-    row<Type::f32, detail::coefficient<2, 2>>(26, "c2_y", "per tick^2", ""),
-    row<Type::f32, detail::coefficient<2, 3>>(28, "c2_z", "per tick^2", ""),
-    row<Type::f32, detail::coefficient<3, 0>>(30, "c3_w", "per tick^3",
-                                              "third Taylor coefficient; 0 for a position"),
-    row<Type::f32, detail::coefficient<3, 1>>(32, "c3_x", "per tick^3", ""),
-    row<Type::f32, detail::coefficient<3, 2>>(34, "c3_y", "per tick^3", ""),
-    row<Type::f32, detail::coefficient<3, 3>>(36, "c3_z", "per tick^3", ""),
-    row<Type::u16, detail::span_flags>(38, "flags", "bits", "1: joins no span before it"),
+    row<Type::i64, &CurveSpan::t0_ns>(0, "t0_ns", "ns", "its start, on the source's clock"),
+    row<Type::u32, &CurveSpan::cover>(4, "cover", "sub_ns",
+                                      "valid for 0 < t - t0_ns <= cover * sub_ns"),
+    row<Type::f32, &CurveSpan::anchor, &Quat::w>(
+        6, "anchor_w", "1", "unit quaternion of an orientation; 1 0 0 0 for a position"),
+    row<Type::f32, &CurveSpan::anchor, &Quat::x>(8, "anchor_x", "1", ""),
+    row<Type::f32, &CurveSpan::anchor, &Quat::y>(10, "anchor_y", "1", ""),
+    row<Type::f32, &CurveSpan::anchor, &Quat::z>(12, "anchor_z", "1", ""),
+    row<Type::f32, detail::coefficient<0, &Vec3::x>>(14, "c0_x", "m or rad", "value at the start"),
+    row<Type::f32, detail::coefficient<0, &Vec3::y>>(16, "c0_y", "m or rad", ""),
+    row<Type::f32, detail::coefficient<0, &Vec3::z>>(18, "c0_z", "m or rad", ""),
+    row<Type::f32, detail::coefficient<1, &Vec3::x>>(20, "c1_x", "m/s or rad/s",
+                                                     "first derivative"),
+    row<Type::f32, detail::coefficient<1, &Vec3::y>>(22, "c1_y", "m/s or rad/s", ""),
+    row<Type::f32, detail::coefficient<1, &Vec3::z>>(24, "c1_z", "m/s or rad/s", ""),
+    row<Type::f32, detail::coefficient<2, &Vec3::x>>(26, "c2_x", "m/s^2 or rad/s^2",
+                                                     "half of the second derivative"),
+    row<Type::f32, detail::coefficient<2, &Vec3::y>>(28, "c2_y", "m/s^2 or rad/s^2", ""),
+    row<Type::f32, detail::coefficient<2, &Vec3::z>>(30, "c2_z", "m/s^2 or rad/s^2", ""),
+    row<Type::f32, detail::coefficient<3, &Vec3::x>>(32, "c3_x", "m/s^3 or rad/s^3",
+                                                     "a sixth of the third derivative"),
+    row<Type::f32, detail::coefficient<3, &Vec3::y>>(34, "c3_y", "m/s^3 or rad/s^3", ""),
+    row<Type::f32, detail::coefficient<3, &Vec3::z>>(36, "c3_z", "m/s^3 or rad/s^3", ""),
+    row<Type::u16, detail::span_flags>(38, "flags", "bits",
+                                       "1: joins no span before it, and is valid at t0_ns too"),
 });
 static_assert(in_order(page_fields, page_header));
 static_assert(in_order(span_fields, span_size));
@@ -134,24 +134,27 @@ inline void put_span(std::uint16_t* at, const CurveSpan& span) noexcept {
 }
 
 inline CurveSpan get_span(const std::uint16_t* at, CurveChannel channel,
-                          std::uint32_t tick_ns) noexcept {
+                          std::uint32_t sub_ns) noexcept {
     constexpr const Field& t0_ns = find(span_fields, "t0_ns");
-    constexpr const Field& cover = find(span_fields, "cover_ticks");
-    constexpr const Field& first = find(span_fields, "c0_w");
+    constexpr const Field& cover = find(span_fields, "cover");
+    constexpr const Field& anchor = find(span_fields, "anchor_w");
+    constexpr const Field& first = find(span_fields, "c0_x");
     constexpr const Field& last = find(span_fields, "c3_z");
     constexpr const Field& flags = find(span_fields, "flags");
-    static_assert(last.address == first.address + 15 * width_of(Type::f32));  // in order of power
+    constexpr std::uint16_t wide = width_of(Type::f32);
+    static_assert(first.address == anchor.address + 4 * wide);
+    static_assert(last.address == first.address + 11 * wide);  // in order of power
     CurveSpan span;
     span.channel = channel;
-    span.tick_ns = tick_ns;
+    span.sub_ns = sub_ns;
     span.t0_ns = static_cast<std::int64_t>(get_word(at, t0_ns));
-    span.cover_ticks = static_cast<std::uint32_t>(get_word(at, cover));
-    const std::uint16_t* value = at + first.address;
-    for (auto& power : span.c) {
-        for (float& component : power) {
-            component = get_f32(value);
-            value += width_of(Type::f32);
-        }
+    span.cover = static_cast<std::uint32_t>(get_word(at, cover));
+    const auto number = [at](unsigned address) { return get_f32(at + address); };
+    span.anchor = {number(anchor.address), number(anchor.address + wide),
+                   number(anchor.address + 2u * wide), number(anchor.address + 3u * wide)};
+    for (unsigned k = 0; k < 4; ++k) {
+        const unsigned from = first.address + 3u * k * wide;
+        span.power[k] = {number(from), number(from + wide), number(from + 2u * wide)};
     }
     span.begins = (get_word(at, flags) & 1u) != 0;
     return span;
@@ -171,8 +174,8 @@ inline PageHeader get_page_header(const std::uint16_t* at) noexcept {
     constexpr const Field& first = find(page_fields, "first");
     constexpr const Field& count = find(page_fields, "count");
     constexpr const Field& channel = find(page_fields, "channel");
-    constexpr const Field& tick_ns = find(page_fields, "tick_ns");
-    return {u32(epoch), u32(first), u16(count), u16(channel), u32(tick_ns)};
+    constexpr const Field& sub_ns = find(page_fields, "sub_ns");
+    return {u32(epoch), u32(first), u16(count), u16(channel), u32(sub_ns)};
 }
 
 constexpr std::uint16_t history_begin(CurveChannel channel) noexcept {

@@ -1,6 +1,8 @@
 // The map, the files that are printed from it, and a unit's table read back field by field.
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -33,11 +35,13 @@ CurveSpan span_number(unsigned n, CurveChannel channel) {
     CurveSpan span;
     span.channel = channel;
     span.t0_ns = -5'000'000'000 + std::int64_t{n} * 70'000'001;
-    span.tick_ns = 100'000;
-    span.cover_ticks = n + 1;
-    for (unsigned m = 0; m < 4; ++m) {
-        for (unsigned d = 0; d < 4; ++d) span.c[m][d] = 0.1f * static_cast<float>(n + 10 * m + d);
-    }
+    span.sub_ns = 100'000;
+    span.cover = n + 1;
+    const auto number = [n](unsigned m, unsigned d) {
+        return 0.1f * static_cast<float>(n + 10 * m + d);
+    };
+    span.anchor = {number(9, 0), number(9, 1), number(9, 2), number(9, 3)};
+    for (unsigned m = 0; m < 4; ++m) span.power[m] = {number(m, 0), number(m, 1), number(m, 2)};
     span.begins = n % 7 == 0;
     return span;
 }
@@ -147,8 +151,8 @@ class UnitTableTest : public ::testing::Test {
         table_->refresh(server_, now_ns_);
         return table_->registers();
     }
-    void add(CurveChannel channel, unsigned n, SpanKind kind = SpanKind::append) {
-        ASSERT_TRUE(feed_->spans.push({span_number(n, channel), kind, 0}));
+    void add(CurveChannel channel, unsigned n) {
+        ASSERT_TRUE(feed_->spans.push({span_number(n, channel), SpanKind::append, 0}));
         table_->collect(*feed_);
     }
 
@@ -230,29 +234,15 @@ TEST_F(UnitTableTest, HistoryPagesSayWhereTheyBelongAndCarryEveryBit) {
         ASSERT_LT(n - header.first, header.count);
         const CurveSpan got =
             reg::get_span(page + reg::page_header + (n - header.first) * reg::span_size,
-                          CurveChannel::orientation, header.tick_ns);
+                          CurveChannel::orientation, header.sub_ns);
         const CurveSpan put = span_number(n, CurveChannel::orientation);
         EXPECT_EQ(got.t0_ns, put.t0_ns);
-        EXPECT_EQ(got.tick_ns, put.tick_ns);
-        EXPECT_EQ(got.cover_ticks, put.cover_ticks);
-        EXPECT_EQ(got.c, put.c);
+        EXPECT_EQ(got.sub_ns, put.sub_ns);
+        EXPECT_EQ(got.cover, put.cover);
+        EXPECT_EQ(std::memcmp(&got.anchor, &put.anchor, sizeof put.anchor), 0);
+        EXPECT_EQ(std::memcmp(&got.power, &put.power, sizeof put.power), 0);
         EXPECT_EQ(got.begins, put.begins);
     }
-}
-
-TEST_F(UnitTableTest, AnExtensionRewritesTheNewestSpanOfItsChannelOnly) {
-    add(CurveChannel::position, 0);
-    add(CurveChannel::orientation, 0);
-    add(CurveChannel::orientation, 1);
-    CurveSpan longer = span_number(0, CurveChannel::position);
-    longer.cover_ticks = 999;
-    ASSERT_TRUE(feed_->spans.push({longer, SpanKind::extend, 0}));
-    const std::uint16_t* r = refreshed();
-    EXPECT_EQ(word(r, "position.next"), 1u);
-    EXPECT_EQ(word(r, "orientation.next"), 2u);
-    const std::uint16_t* page = r + reg::position_begin;
-    EXPECT_EQ(reg::get_page_header(page).count, 1u);
-    EXPECT_EQ(reg::get_span(page + reg::page_header, CurveChannel::position, 1).cover_ticks, 999u);
 }
 
 TEST_F(UnitTableTest, ARestartOfTheSourceLeavesNothingOfTheRunBefore) {

@@ -190,8 +190,8 @@ class Unit {
     }};
 
     /// Every covered pose within the tolerance. @return how many are covered.
-    std::size_t check(const std::vector<Sample>& samples, std::uint32_t tick_ns, bool mag) {
-        const auto chain = make_sample_chain(config_, tick_ns, mag);
+    std::size_t check(const std::vector<Sample>& samples, std::int64_t period_ns, bool mag) {
+        const auto chain = make_sample_chain(config_, period_ns, mag);
         const auto limit = static_cast<float>(config_.tolerance_deg * 0.017453292519943295);
         std::size_t covered = 0;
         for (const Sample& sample : samples) {
@@ -233,7 +233,7 @@ TEST_P(SensorSource, WhatAReaderRebuildsIsWhatTheSamplesSay) {
     const auto source = make_sensor(config, std::make_unique<ModelHardware>(bench));
     unit.follow(*source, 2'500'000'000);
     ASSERT_GT(bench.seen.size(), 800u);
-    const std::size_t covered = unit.check(bench.seen, 1'000'000, *GetParam() != 0);
+    const std::size_t covered = unit.check(bench.seen, 2'000'000, *GetParam() != 0);
     EXPECT_GT(covered + 300, bench.seen.size()) << "all but what levelling and the reducer hold";
     EXPECT_EQ(unit.field("health.samples"), bench.seen.size());
     EXPECT_EQ(unit.field("health.period_us"), 2000u);
@@ -273,7 +273,7 @@ TEST(SensorSource, AResetIsCountedAndTheCurveGoesOn) {
     unit.follow(*source, 2'500'000'000);
     EXPECT_EQ(unit.field("sensor.resets"), 1u);
     EXPECT_GT(unit.field("sensor.lost"), 0u);
-    EXPECT_GT(unit.check(bench.seen, 1'000'000, false), 600u);
+    EXPECT_GT(unit.check(bench.seen, 2'000'000, false), 600u);
     std::size_t gaps = 0;
     for (const Sample& s : bench.seen) gaps += (s.flags & flag::gap_before) != 0 ? 1u : 0u;
     EXPECT_GE(gaps, 1u);

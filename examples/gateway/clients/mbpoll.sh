@@ -63,7 +63,7 @@ field health.period_us 116 1 4:int
 field health.publish_us 118 1 4:int
 field health.publish_max_us 120 1 4:int
 field health.deadline_misses 122 1 4:int
-field health.frames_lost 124 1 4:int
+field health.breaks 124 1 4:int
 field health.bytes_skipped 126 1 4:int
 field server.uptime_s 128 1 4:int
 field server.clients 130 1 4:int
@@ -91,6 +91,8 @@ field sensor.overruns 172 1 4:int
 field sensor.resets 174 1 4:int
 field sensor.clock_jumps 176 1 4:int
 field server.log_dropped 178 1 4:int
+field stream.refused 180 1 4:int
+field stream.id 182 1 4
 field events.epoch 256 1 4:int
 field events.first 258 1 4:int
 field events.count 260 1 4

@@ -88,7 +88,7 @@
     show.samples(v.samples > 0 ? per("samples") : "–", v.samples + " in all");
     show.bytes(per("bytes"), v.bytes + " in all, " + v.frames + " frames");
     show.delay(known ? (v.age * 1e3).toFixed(0) + " ms" : "–", "publishing took " + v.publish_us + " µs, at most " + v.publish_max_us);
-    show.faults(v.faults + v.damaged + v.lost, `${v.faults} samples, ${v.damaged} damaged frames, ${v.lost} lost, ${v.gaps} gaps`);
+    show.faults(v.faults + v.damaged, `${v.faults} samples, ${v.damaged} losses of step, ${v.breaks} breaks, ${v.gaps} gaps`);
     last = v;
   }
   // drawing follows the screen, not the messages: a slow machine draws less often and keeps up

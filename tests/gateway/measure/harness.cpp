@@ -20,15 +20,11 @@
 #include <random>
 
 #include "fairlead/math/quat.hpp"
-#include "fairlead/pipeline.hpp"
+#include "fairlead/pipeline2.hpp"
 #include "port/linux/clock.hpp"
 
 namespace fairlead::gateway::measure {
 namespace {
-
-struct BoardConfig : PipelineConfig {
-    static constexpr std::size_t window = 120;
-};
 
 [[noreturn]] void give_up(const char* what) {
     std::perror(what);
@@ -144,12 +140,13 @@ Pose motion_of(const BoardOnLine::Settings& settings, std::uint64_t i) {
 }
 
 void BoardOnLine::run() {
-    using Chain = Pipeline<BoardConfig>;
+    using Chain = Pipeline2<MeasuredBoard>;
     Chain::Params params;
-    params.encoder.tol_position_m.fill(tolerance_m);
-    params.encoder.tol_orientation_rad = tolerance_rad;
-    params.encoder.tick_ns = static_cast<std::uint32_t>(period_ns());
-    params.encoder.restart_interval_ns = static_cast<std::int64_t>(settings_.restart_s * 1e9);
+    params.sample_period_ns = period_ns();
+    params.tolerance.position_m = tolerance_m;
+    params.tolerance.orientation_rad = tolerance_rad;
+    params.restart_interval_ns = static_cast<std::int64_t>(settings_.restart_s * 1e9);
+    params.header_interval_ns = port::second;  // a gateway may come late
     const auto chain = std::make_unique<Chain>(params);
     std::mt19937 random{settings_.seed};
     std::uniform_real_distribution<double> uniform;

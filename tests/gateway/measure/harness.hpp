@@ -9,6 +9,7 @@
 
 #include "examples/gateway/reader.hpp"
 #include "fairlead/base/types.hpp"
+#include "fairlead/board.hpp"
 
 struct _modbus;
 
@@ -32,6 +33,15 @@ class GatewayProcess {
     int pid_{-1};
     int log_fd_{-1};
     int port_{};
+};
+
+struct MeasuredBoard {
+    using Input = Pose;
+    using Channels = fairlead::Channels<Position, fairlead::Orientation>;
+    using Filter = NoFilter;
+    static constexpr std::size_t delay_records_max = 120;
+    static constexpr Beam beam = Beam::medium;
+    static constexpr std::size_t events_max = 0;
 };
 
 /// A board: motion through the pipeline, its frames into one end of a pseudo-terminal in real time.

@@ -377,11 +377,11 @@ int history(const Options& options, double damaged_share) {
         return static_cast<unsigned long long>(unit_word(client, name));
     };
     std::printf(
-        "bytes sent %llu, damaged %llu; frames good %llu, lost %llu, bytes skipped %llu, "
+        "bytes sent %llu, damaged %llu; frames good %llu, breaks %llu, bytes skipped %llu, "
         "curves back in step %llu times\n",
         static_cast<unsigned long long>(boards[0]->bytes()),
         static_cast<unsigned long long>(boards[0]->damaged()), health("health.frames"),
-        health("health.frames_lost"), health("health.bytes_skipped"), health("health.resyncs"));
+        health("health.breaks"), health("health.bytes_skipped"), health("health.resyncs"));
     const bool within = d.worst_m <= static_cast<double>(BoardOnLine::tolerance_m) &&
                         d.worst_rad <= static_cast<double>(BoardOnLine::tolerance_rad);
     // the reducers still hold their delay's worth of samples when the board falls silent

@@ -3,10 +3,9 @@
 // once a second.
 //
 // A frame of n bytes arrives whole with p = (1 - e)^n. Out of step, a decoder waits for a restart
-// frame that does: a geometric law over the restart frames, one every T, the last of which may be
-// held back by a byte that looks like a frame's beginning for as long as the longest frame takes.
-// So with the longest restart frame for n, B bytes a second and frames of at most m bytes
-//   mean wait <= T / p + m / B,   and 99 % wait less than T (1 + ln(0.01) / ln(1 - p)) + m / B.
+// frame that does, and for two frames behind it that confirm it, n bytes in all: a geometric law
+// over the restart frames, one every T. So with F from frame to frame
+//   mean wait <= T / p + 2 F,   and 99 % wait less than T (1 + ln(0.01) / ln(1 - p)) + 2 F.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,7 +15,7 @@
 
 #include "examples/gateway/follower.hpp"
 #include "examples/gateway/unit_table.hpp"
-#include "fairlead/pipeline.hpp"
+#include "fairlead/pipeline2.hpp"
 #include "tests/gateway/measure/harness.hpp"
 
 namespace fairlead::gateway::measure {
@@ -30,7 +29,8 @@ struct Case {
 };
 
 struct Outcome {
-    double bytes_per_s{}, restart_bytes{}, restart_bytes_most{};
+    double bytes_per_s{}, restart_bytes{}, restart_bytes_most{}, frame_bytes_most{};
+    double frame_s{};                   // from frame to frame
     double covered{};                   // share of the samples
     double wait_mean_s{}, wait_99_s{};  // out of step
     std::size_t waits{};
@@ -56,32 +56,25 @@ class SpoilingLine {
     int left_{0};
 };
 
-/// The length of a restart frame, by its first two bytes; 0 for other frames.
-std::size_t restart_size(const Bytes& bytes) {
+/// The length of the data frame among these; 0: there is none.
+std::size_t data_frame_size(const Bytes& bytes) {
     for (std::size_t at = 0; at + 1 < bytes.size;) {
         const std::uint8_t first = bytes.data[at];
-        const bool two = first >= 0x80;
-        const std::size_t n = two ? (first & 0x1Fu) * 256u + bytes.data[at + 1] : first;
-        const std::size_t whole = (two ? 2 : 1) + n + 2;
-        if (first >= 0xC0 && first < 0xE0) return whole;
-        at += whole;
+        if (first <= wire2::payload_max) return std::size_t{first} + 3;
+        at += 2 + std::size_t{bytes.data[at + 1]} + wire2::crc_size;  // a header or events
     }
     return 0;
 }
 
-struct NoiseConfig : PipelineConfig {
-    static constexpr std::size_t window = 120;
-};
-
 Outcome run(const Case& c, double seconds) {
     const BoardOnLine::Settings settings;
-    Pipeline<NoiseConfig>::Params params;
-    params.encoder.tol_position_m.fill(BoardOnLine::tolerance_m);
-    params.encoder.tol_orientation_rad = BoardOnLine::tolerance_rad;
-    params.encoder.tick_ns = static_cast<std::uint32_t>(1e9 / settings.rate_hz);
-    params.encoder.restart_interval_ns = static_cast<std::int64_t>(c.restart_s * 1e9);
-    params.encoder.delay_max = c.delay;
-    const auto board = std::make_unique<Pipeline<NoiseConfig>>(params);
+    Pipeline2<MeasuredBoard>::Params params;
+    params.sample_period_ns = static_cast<std::int64_t>(1e9 / settings.rate_hz);
+    params.tolerance.position_m = BoardOnLine::tolerance_m;
+    params.tolerance.orientation_rad = BoardOnLine::tolerance_rad;
+    params.restart_interval_ns = static_cast<std::int64_t>(c.restart_s * 1e9);
+    params.delay_records = c.delay;
+    const auto board = std::make_unique<Pipeline2<MeasuredBoard>>(params);
     UnitState state;
     state.epoch = 1;
     const auto feed = std::make_unique<UnitFeed>();
@@ -101,17 +94,22 @@ Outcome run(const Case& c, double seconds) {
     std::vector<Pose> poses;
     std::vector<double> waits;
     Outcome out;
-    double bytes = 0, restarts = 0, out_since_s = -1;
+    double bytes = 0, out_since_s = -1;
+    std::uint32_t restarts = 0;
     const auto steps = static_cast<std::uint64_t>(seconds * settings.rate_hz);
     for (std::uint64_t i = 0; i < steps; ++i) {
         const double now_s = static_cast<double>(i) / settings.rate_hz;
         poses.push_back(motion_of(settings, i));
         const Bytes frames = board->push(poses.back());
         bytes += static_cast<double>(frames.size);
-        if (const std::size_t n = restart_size(frames); n > 0) {
-            out.restart_bytes += static_cast<double>(n);
-            out.restart_bytes_most = std::max(out.restart_bytes_most, static_cast<double>(n));
-            restarts += 1;
+        const auto& sender = board->encoder().inner();
+        if (const std::size_t n = data_frame_size(frames); n > 0) {
+            out.frame_bytes_most = std::max(out.frame_bytes_most, static_cast<double>(n));
+            if (sender.restarts() != restarts) {
+                out.restart_bytes += static_cast<double>(n);
+                out.restart_bytes_most = std::max(out.restart_bytes_most, static_cast<double>(n));
+            }
+            restarts = sender.restarts();
         }
         std::vector<std::uint8_t> sent{frames.data, frames.data + frames.size};
         line.pass(sent);
@@ -130,7 +128,8 @@ Outcome run(const Case& c, double seconds) {
     out.wrong = out.wrong || d.worst_m > static_cast<double>(BoardOnLine::tolerance_m) ||
                 d.worst_rad > static_cast<double>(BoardOnLine::tolerance_rad);
     out.bytes_per_s = bytes / seconds;
-    out.restart_bytes /= restarts;
+    out.restart_bytes /= std::max(1.0, static_cast<double>(restarts));
+    out.frame_s = seconds / std::max(1.0, static_cast<double>(board->encoder().inner().frames()));
     out.covered = static_cast<double>(d.covered) / static_cast<double>(d.samples);
     out.waits = waits.size();
     if (waits.empty()) return out;
@@ -157,16 +156,19 @@ int noise_table(double seconds) {
                     const Outcome o = run(c, seconds);
                     // a burst spoils a frame when it begins in it or reaches into it
                     const double whole =
-                        std::pow(1 - damaged / burst, o.restart_bytes_most + burst - 1);
-                    const double held_s = static_cast<double>(wire::max_frame) / o.bytes_per_s;
+                        std::pow(1 - damaged / burst,
+                                 o.restart_bytes_most + 2 * o.frame_bytes_most + 3 * (burst - 1));
+                    const double held_s = 2 * o.frame_s;
                     std::printf(
                         "| %.2f %% | %d | %.1f s | %u | %.0f | %.0f, %.0f | %.1f %% | %.2f s, %.2f "
                         "s | "
                         "%.2f s, %.2f s |%s\n",
                         100 * damaged, burst, restart_s, delay, o.bytes_per_s, o.restart_bytes,
                         o.restart_bytes_most, 100 * o.covered, o.wait_mean_s,
-                        restart_s / whole + held_s, o.wait_99_s,
-                        restart_s * (1 + std::log(0.01) / std::log(1 - whole)) + held_s,
+                        std::max(restart_s, o.frame_s) / whole + held_s, o.wait_99_s,
+                        std::max(restart_s, o.frame_s) *
+                                (1 + std::log(0.01) / std::log(1 - whole)) +
+                            held_s,
                         o.wrong ? " WRONG" : "");
                     good = good && !o.wrong;
                 }
