@@ -4,7 +4,8 @@
 //
 // A frame of n bytes arrives whole with p = (1 - e)^n. Out of step, a decoder waits for a restart
 // frame that does, and for two frames behind it that confirm it, n bytes in all: a geometric law
-// over the restart frames, one every T. So with F from frame to frame
+// over the restart frames, one every T: the restart interval, at least two frames (no restart frame
+// follows another), rounded up to whole frames. So with F from frame to frame
 //   mean wait <= T / p + 2 F,   and 99 % wait less than T (1 + ln(0.01) / ln(1 - p)) + 2 F.
 #include <algorithm>
 #include <cmath>
@@ -159,16 +160,15 @@ int noise_table(double seconds) {
                         std::pow(1 - damaged / burst,
                                  o.restart_bytes_most + 2 * o.frame_bytes_most + 3 * (burst - 1));
                     const double held_s = 2 * o.frame_s;
+                    const double every_s = std::max(restart_s, 2 * o.frame_s) + o.frame_s;
                     std::printf(
                         "| %.2f %% | %d | %.1f s | %u | %.0f | %.0f, %.0f | %.1f %% | %.2f s, %.2f "
                         "s | "
                         "%.2f s, %.2f s |%s\n",
                         100 * damaged, burst, restart_s, delay, o.bytes_per_s, o.restart_bytes,
                         o.restart_bytes_most, 100 * o.covered, o.wait_mean_s,
-                        std::max(restart_s, o.frame_s) / whole + held_s, o.wait_99_s,
-                        std::max(restart_s, o.frame_s) *
-                                (1 + std::log(0.01) / std::log(1 - whole)) +
-                            held_s,
+                        every_s / whole + held_s, o.wait_99_s,
+                        every_s * (1 + std::log(0.01) / std::log(1 - whole)) + held_s,
                         o.wrong ? " WRONG" : "");
                     good = good && !o.wrong;
                 }
