@@ -149,8 +149,8 @@ class RandomStream {
     void start(Writer::Coder& coder, std::size_t c) {
         if (layout_.channel[c].rotates) {
             Quat q{1, unit(), unit(), unit()};
-            coder.first_grid[0] = curve::to_grid(normalised(q), layout_.step(0));
-            writer_.states.rotation[0] = {curve::from_grid(coder.first_grid[0], layout_.step(0)),
+            coder.first.grid[0] = curve::to_grid(normalised(q), layout_.step(0));
+            writer_.states.rotation[0] = {curve::from_grid(coder.first.grid[0], layout_.step(0)),
                                           {}};
         } else {
             for (auto& axis : writer_.states.axis) {
@@ -220,11 +220,11 @@ class RandomStream {
                     left -= rebased ? 0 : p.subs;
                 }
                 curve::rebase(state, layout_.step(0));
-                coder.told_grid[0] = length == 0 ? coder.first_grid[0]
+                coder.told.grid[0] = length == 0 ? coder.first.grid[0]
                                                  : curve::to_grid(state.anchor, layout_.step(0));
                 if (options_.independent)
-                    coder.first_grid[0] = frame.starts ? coder.first_grid[0] : grid_;
-                grid_ = coder.told_grid[0];
+                    coder.first.grid[0] = frame.starts ? coder.first.grid[0] : grid_;
+                grid_ = coder.told.grid[0];
                 continue;
             }
             for (std::size_t a = 0; a < 3; ++a) {
@@ -238,7 +238,7 @@ class RandomStream {
                     axes_.push_back(p);
                     left -= p.subs;
                 }
-                coder.told[a] = state.v[0];
+                coder.told.value[a] = state.v[0];
             }
         }
         static_cast<void>(head);

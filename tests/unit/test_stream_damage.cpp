@@ -14,6 +14,11 @@ struct Outcome {
     std::size_t sent{0}, told{0}, wrong_frames{0}, wrong_events{0}, losses{0}, bytes{0};
 };
 
+template <unsigned Bits>
+struct Checks : wire2::Everything {
+    static constexpr unsigned check_bits = Bits;
+};
+
 /// A line with so many damaged bytes, or with noise between some frames, and a reader whose checks
 /// count CheckBits bits.
 template <unsigned CheckBits>
@@ -23,7 +28,7 @@ Outcome run_line(double damage, std::size_t noise, int frames, std::uint64_t see
     options.ends = options.jumps = 0;
     options.size = 1;
     RandomStream source{options, seed}, dice{options, seed + 1};
-    wire2::Decoder<3, 1, Kinds, CheckBits> reader;
+    wire2::Decoder<3, 1, Kinds, Checks<CheckBits>> reader;
     std::map<std::int64_t, Writer::States> sent;
     Outcome out;
     bool wrong_before = false;

@@ -58,23 +58,42 @@ struct Costs {
     std::uint8_t value[rows][value_symbols];
 };
 
-template <std::size_t N>
-constexpr std::size_t length_row(const curve::State<N>& state) noexcept {
-    return state.fresh ? length_rows - 1 : state.last_code;
+/// The same, as the coder takes them: one code for all kinds and numbers of components.
+struct CostsView {
+    const std::uint8_t *length, *value;  // rows of `codes` and of value_symbols
+    std::uint8_t codes;
+    bool lines;
+
+    template <class Kind, std::size_t N>
+    constexpr CostsView(const Costs<Kind, N>& costs) noexcept
+        : length{costs.length[0]},
+          value{costs.value[0]},
+          codes{static_cast<std::uint8_t>(Kind::codes)},
+          lines{Kind::lines} {}
+};
+
+constexpr std::size_t length_row(const curve::History& history) noexcept {
+    return history.fresh ? length_rows - 1 : history.last_code;
 }
 
-/// Row of k of component c for a piece of h ticks. `before`: a component before c had k != 0.
+/// Row of k of component c of n, for a piece of h ticks. `before`: a component before c had k != 0.
+constexpr std::size_t value_row(bool lines, std::size_t n, const curve::History& history,
+                                std::int32_t last_k, std::uint8_t piece_code, std::int32_t h,
+                                std::size_t c, bool before) noexcept {
+    const std::size_t all = n == 1 ? axis_value_rows : rotation_value_rows;
+    const std::size_t first = lines && curve::is_line(piece_code) ? all : 0;
+    if (history.fresh || history.loose()) return first + (h <= 12 ? 0u : h <= 30 ? 1u : 2u);
+    const std::int32_t size = last_k < 0 ? -last_k : last_k;
+    const std::size_t last = size <= 2 ? static_cast<std::size_t>(size) : size <= 4 ? 3 : 4;
+    const std::size_t ratio = h < history.last_ticks ? 0u : h == history.last_ticks ? 1u : 2u;
+    const std::size_t group = last * 3 + ratio;
+    if (n == 1) return first + 3 + group * 2 + (h >= 16 ? 1u : 0u);
+    return first + 3 + group * 3 + (c == 0 ? 0u : before ? 2u : 1u);
+}
 template <class Kind, std::size_t N>
 constexpr std::size_t value_row(const curve::State<N>& state, std::uint8_t piece_code,
                                 std::int32_t h, std::size_t c, bool before) noexcept {
-    const std::size_t lines = Kind::lines && curve::is_line(piece_code) ? value_rows<N> : 0;
-    if (state.fresh || state.loose()) return lines + (h <= 12 ? 0u : h <= 30 ? 1u : 2u);
-    const std::int32_t k = state.last_k[c], size = k < 0 ? -k : k;
-    const std::size_t last = size <= 2 ? static_cast<std::size_t>(size) : size <= 4 ? 3 : 4;
-    const std::size_t ratio = h < state.last_ticks ? 0u : h == state.last_ticks ? 1u : 2u;
-    const std::size_t group = last * 3 + ratio;
-    if constexpr (N == 1) return lines + 3 + group * 2 + (h >= 16 ? 1u : 0u);
-    return lines + 3 + group * 3 + (c == 0 ? 0u : before ? 2u : 1u);
+    return value_row(Kind::lines, N, state, state.last_k[c], piece_code, h, c, before);
 }
 
 /// Number of bits of n: 0 for 0.

@@ -42,8 +42,8 @@ constexpr bool symbol(Io& io, const std::uint8_t* row, std::size_t n, std::uint8
 namespace detail {
 
 /// Code of a piece. Behind a jump all pieces are lines, and told as the quadratics of their length.
-template <class Kind, class Io>
-constexpr bool piece_code(Io& io, const std::uint8_t (&row)[Kind::codes], bool loose,
+template <class Io>
+constexpr bool piece_code(Io& io, const std::uint8_t* row, std::size_t codes, bool loose,
                           std::uint8_t& c) noexcept {
     auto s = c;
     if (Io::writes && loose) {
@@ -52,7 +52,7 @@ constexpr bool piece_code(Io& io, const std::uint8_t (&row)[Kind::codes], bool l
         else if (c <= curve::code::to_end)
             return false;
     }
-    if (!symbol(io, row, Kind::codes, s)) return false;
+    if (!symbol(io, row, codes, s)) return false;
     if (loose && curve::is_line(s)) return false;
     c = loose && s <= curve::code::to_end ? static_cast<std::uint8_t>(s + curve::code::line) : s;
     return true;
@@ -60,8 +60,7 @@ constexpr bool piece_code(Io& io, const std::uint8_t (&row)[Kind::codes], bool l
 
 /// k of one component, relative to the sign of the last k that was not 0.
 template <class Io>
-constexpr bool value(Io& io, const std::uint8_t (&row)[value_symbols], std::int8_t sign,
-                     std::int32_t& k) noexcept {
+constexpr bool value(Io& io, const std::uint8_t* row, std::int8_t sign, std::int32_t& k) noexcept {
     std::uint8_t s = value_symbol(k, sign);
     if (!symbol(io, row, value_symbols, s)) return false;
     const bool turned = sign < 0;
@@ -134,50 +133,60 @@ enum class End : bool { coded, told };
 /// @param told the place of the end where it was told, on the lattice of an axis; ignored (may be
 ///     null) otherwise. For a rotation that ends where it was told, the caller calls
 ///     curve::step_onto() instead of this function's step: the return value is true, the state as
-///     before, and piece.subs == left.
+///     before, and subs == left.
 /// @return false where a decoder reads nonsense, or an encoder was given a piece out of bounds.
+template <class Io>
+constexpr bool code_piece(Io& io, const CostsView& costs, const curve::StateView& state,
+                          std::uint8_t& c, std::uint16_t& subs, std::int32_t* k, std::int32_t left,
+                          End end, const std::int32_t* told) noexcept {
+    namespace codes = curve::code;
+    const curve::History& history = state.history;
+    if (left <= 0) return false;
+    if (history.phase != 0)
+        c = codes::jump;
+    else if (!detail::piece_code(io, costs.length + length_row(history) * costs.codes, costs.codes,
+                                 history.loose(), c))
+        return false;
+    if (c == codes::rebase) return state.n == 3;
+    if (c == codes::jump) {
+        if (!detail::duration(io, history.phase, subs) || subs > left) return false;
+        for (std::size_t i = 0; i < state.n; ++i)
+            if (!detail::plain(io, k[i])) return false;
+        return curve::step(state, c, subs, k);
+    }
+    const std::size_t index = curve::is_line(c) ? c - codes::line : c;
+    const std::int32_t lasts =
+        curve::ends_frame(c) ? left : curve::lengths[index] * curve::subs_per_tick;
+    if (lasts > left || left > curve::piece_ticks_max * curve::subs_per_tick ||
+        left % curve::subs_per_tick != 0)
+        return false;
+    subs = static_cast<std::uint16_t>(lasts);
+    const std::int32_t h = lasts / curve::subs_per_tick;
+    const bool ends = end == End::told && lasts == left;
+    if (ends && state.n == 3) return true;
+    bool before = false;
+    for (std::size_t i = 0; i < state.n; ++i) {
+        if (ends) {
+            const std::int64_t rise = std::int64_t{*told} - state.v[0];
+            if (rise > curve::rise_max || rise < -curve::rise_max) return false;
+            k[0] = static_cast<std::int32_t>(rise) -
+                   curve::predicted_rise(state.s[0], history.fresh, h);
+        } else {
+            const std::size_t row =
+                value_row(costs.lines, state.n, history, state.last_k[i], c, h, i, before);
+            if (!detail::value(io, costs.value + row * value_symbols, state.sign[i], k[i]))
+                return false;
+        }
+        before = before || k[i] != 0;
+    }
+    return curve::step(state, c, subs, k);
+}
 template <class Kind, class Io, std::size_t N>
 constexpr bool code_piece(Io& io, const Costs<Kind, N>& costs, curve::State<N>& state,
                           curve::Piece<N>& piece, std::int32_t left, End end,
                           const std::int32_t* told = nullptr) noexcept {
-    namespace codes = curve::code;
-    if (left <= 0) return false;
-    if (state.phase != 0)
-        piece.code = codes::jump;
-    else if (!detail::piece_code<Kind>(io, costs.length[length_row(state)], state.loose(),
-                                       piece.code))
-        return false;
-    if (piece.code == codes::rebase) return N == 3;
-    if (piece.code == codes::jump) {
-        if (!detail::duration(io, state.phase, piece.subs) || piece.subs > left) return false;
-        for (std::size_t c = 0; c < N; ++c)
-            if (!detail::plain(io, piece.k[c])) return false;
-        return curve::step(state, piece);
-    }
-    const std::size_t index = curve::is_line(piece.code) ? piece.code - codes::line : piece.code;
-    const std::int32_t subs =
-        curve::ends_frame(piece.code) ? left : curve::lengths[index] * curve::subs_per_tick;
-    if (subs > left || left > curve::piece_ticks_max * curve::subs_per_tick ||
-        left % curve::subs_per_tick != 0)
-        return false;
-    piece.subs = static_cast<std::uint16_t>(subs);
-    const std::int32_t h = subs / curve::subs_per_tick;
-    if (end == End::told && subs == left) {
-        if constexpr (N == 3) return true;
-        if (told == nullptr) return false;
-        const std::int64_t k =
-            std::int64_t{*told} - state.v[0] - curve::predicted_rise(state.s[0], state.fresh, h);
-        if (k > INT32_MAX || k < -INT32_MAX) return false;
-        piece.k[0] = static_cast<std::int32_t>(k);
-        return curve::step(state, piece);
-    }
-    bool before = false;
-    for (std::size_t c = 0; c < N; ++c) {
-        const std::size_t row = value_row<Kind>(state, piece.code, h, c, before);
-        if (!detail::value(io, costs.value[row], state.sign[c], piece.k[c])) return false;
-        before = before || piece.k[c] != 0;
-    }
-    return curve::step(state, piece);
+    return code_piece(io, CostsView{costs}, state.view(), piece.code, piece.subs, piece.k.data(),
+                      left, end, told);
 }
 
 /// Counts what a RangeEncoder would write, rounded up symbol by symbol: an upper bound of its bits.

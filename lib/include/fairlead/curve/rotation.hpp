@@ -187,16 +187,15 @@ inline void land(RotationState& state, const Quat& target, const std::array<floa
 
 /// Ends a segment exactly on `target` instead of a lattice point: the last piece of a frame that
 /// tells its end. A jump has been stepped already.
-inline void step_onto(RotationState& state, const Piece<3>& piece, const Quat& target,
+inline void step_onto(RotationState& state, std::uint8_t c, std::int32_t subs, const Quat& target,
                       const std::array<float, 3>& end, float step) noexcept {
     State<3>& chart = state.chart;
-    if (piece.code != code::jump) {
-        const std::int32_t h = piece.subs / subs_per_tick;
-        const bool chord = ends_on_chord(piece.code, chart.fresh);
-        for (std::size_t c = 0; c < 3; ++c)
-            chart.s[c] = slope_onto(chart.s[c], chord, end[c] - static_cast<float>(chart.v[c]), h);
-        remember(chart, piece);
-        chart.phase = 0;
+    if (c != code::jump) {
+        const std::int32_t h = subs / subs_per_tick, zero[3]{};
+        const bool chord = ends_on_chord(c, chart.fresh);
+        for (std::size_t i = 0; i < 3; ++i)
+            chart.s[i] = slope_onto(chart.s[i], chord, end[i] - static_cast<float>(chart.v[i]), h);
+        remember(chart.view(), c, subs, zero);
     }
     land(state, target, end, step);
 }

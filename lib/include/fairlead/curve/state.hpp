@@ -24,16 +24,12 @@ namespace fairlead::curve {
 inline constexpr std::int32_t vertex_max = 1 << 30;  // |v|
 inline constexpr std::int32_t slope_max = 1 << 23;   // |s|
 inline constexpr std::int32_t rise_max = 32767;      // |v' - v| of a piece that is no jump
-inline constexpr std::int32_t jump_max = 1 << 30;    // |v' - v| of a jump
+inline constexpr std::int32_t jump_max = (1 << 30) - 1;  // |v' - v| of a jump
 static_assert(std::int64_t{slope_max} * piece_ticks_max + slope_unit < INT32_MAX);
+static_assert(std::int64_t{vertex_max} + jump_max <= INT32_MAX);
 
-/// N components that share their vertices: 1 for an axis of a vector, 3 for a rotation.
-template <std::size_t N>
-struct State {
-    std::array<std::int32_t, N> v{};
-    std::array<std::int32_t, N> s{};
-    std::array<std::int8_t, N> last_k{};   // of the last piece, limited to +-100
-    std::array<std::int8_t, N> sign{};     // of the last k that was not 0; -1, or 0 or 1 for plus
+/// What predicts the next piece, beside the last k.
+struct History {
     std::uint8_t last_code{code::to_end};  // of the last piece; a line as its quadratic
     std::uint8_t last_ticks{1};
     std::uint8_t phase{0};  // sub-ticks behind the whole tick; other than 0 only between jumps
@@ -41,17 +37,37 @@ struct State {
 
     /// Is the next piece a straight line, because it follows a jump?
     constexpr bool loose() const noexcept { return last_code == code::jump && !fresh; }
+};
+
+/// A state of n components, 1 to 3, as functions take it: one code for axes and rotations.
+struct StateView {
+    History& history;
+    std::int32_t *v, *s;
+    std::int8_t *last_k, *sign;
+    std::size_t n;
 
     /// Forgets what predicts lengths and k, but not the curve: what a restart does. `again` tells
     /// whether the next piece is fresh.
-    constexpr void forget(bool again) noexcept {
-        last_k = {};
-        sign = {};
-        last_code = code::to_end;
-        last_ticks = 1;
-        phase = 0;
-        fresh = again;
+    constexpr void forget(bool again) const noexcept {
+        history = {};
+        history.fresh = again;
+        for (std::size_t c = 0; c < n; ++c) last_k[c] = sign[c] = 0;
     }
+};
+
+/// N components that share their vertices: 1 for an axis of a vector, 3 for a rotation.
+template <std::size_t N>
+struct State : History {
+    static_assert(N >= 1 && N <= 3);
+    std::array<std::int32_t, N> v{};
+    std::array<std::int32_t, N> s{};
+    std::array<std::int8_t, N> last_k{};  // of the last piece, limited to +-100
+    std::array<std::int8_t, N> sign{};    // of the last k that was not 0; -1, or 0 or 1 for plus
+
+    constexpr StateView view() noexcept {
+        return {*this, v.data(), s.data(), last_k.data(), sign.data(), N};
+    }
+    constexpr void forget(bool again) noexcept { view().forget(again); }
 };
 
 /// One piece: its code, its duration, and what it adds to the prediction.
@@ -91,47 +107,50 @@ constexpr std::int32_t slope_after(std::int32_t s, bool chord, std::int32_t rise
 /// Is the slope at the end that of the chord? True for lines and for fresh pieces.
 constexpr bool ends_on_chord(std::uint8_t c, bool fresh) noexcept { return fresh || is_line(c); }
 
-/// Context of the next length.
-template <std::size_t N>
-constexpr void remember(State<N>& state, const Piece<N>& piece) noexcept {
-    const bool jumped = piece.code == code::jump;
-    for (std::size_t c = 0; c < N; ++c) {
-        const std::int32_t k = jumped || state.fresh ? 0 : piece.k[c];
-        state.last_k[c] = static_cast<std::int8_t>(k > 100 ? 100 : k < -100 ? -100 : k);
-        if (!jumped && piece.k[c] != 0)
-            state.sign[c] = static_cast<std::int8_t>(piece.k[c] > 0 ? 1 : -1);
+/// What the piece leaves for the prediction of the next one.
+constexpr void remember(const StateView& state, std::uint8_t c, std::int32_t subs,
+                        const std::int32_t* k) noexcept {
+    const bool jumped = c == code::jump;
+    for (std::size_t i = 0; i < state.n; ++i) {
+        const std::int32_t last = jumped || state.history.fresh ? 0 : k[i];
+        state.last_k[i] = static_cast<std::int8_t>(last > 100 ? 100 : last < -100 ? -100 : last);
+        if (!jumped && k[i] != 0) state.sign[i] = static_cast<std::int8_t>(k[i] > 0 ? 1 : -1);
     }
-    const bool line = is_line(piece.code);
-    state.last_code = static_cast<std::uint8_t>(line ? piece.code - curve::code::line : piece.code);
-    state.last_ticks =
-        jumped ? std::uint8_t{1} : static_cast<std::uint8_t>(piece.subs / subs_per_tick);
-    state.fresh = false;
+    History& history = state.history;
+    history.last_code = static_cast<std::uint8_t>(is_line(c) ? c - code::line : c);
+    history.last_ticks = static_cast<std::uint8_t>(jumped ? 1 : subs / subs_per_tick);
+    history.fresh = false;
+    history.phase = static_cast<std::uint8_t>((history.phase + subs) % subs_per_tick);
 }
 
 /// Goes on to the end of the piece. @return false, with the state unchanged, where the piece leaves
-/// the bounds above; true otherwise. Any values are allowed in piece.k; piece.code and piece.subs
-/// must belong together.
+/// the bounds above; true otherwise. Any values are allowed in k; code and duration must belong
+/// together.
+constexpr bool step(const StateView& state, std::uint8_t c, std::int32_t subs,
+                    const std::int32_t* k) noexcept {
+    const bool jumped = c == code::jump, fresh = state.history.fresh;
+    const bool chord = ends_on_chord(c, fresh);
+    const std::int32_t h = subs / subs_per_tick, most = jumped ? jump_max : rise_max;
+    std::int32_t v[3]{}, s[3]{};
+    for (std::size_t i = 0; i < state.n; ++i) {
+        if (k[i] > jump_max || k[i] < -jump_max) return false;
+        const std::int32_t rise = k[i] + (jumped ? 0 : predicted_rise(state.s[i], fresh, h));
+        if (rise > most || rise < -most) return false;
+        v[i] = state.v[i] + rise;
+        if (v[i] > vertex_max || v[i] < -vertex_max) return false;
+        if (!jumped) s[i] = slope_after(state.s[i], chord, rise, h);
+        if (s[i] > slope_max || s[i] < -slope_max) return false;
+    }
+    for (std::size_t i = 0; i < state.n; ++i) {
+        state.v[i] = v[i];
+        state.s[i] = s[i];
+    }
+    remember(state, c, subs, k);
+    return true;
+}
 template <std::size_t N>
 constexpr bool step(State<N>& state, const Piece<N>& piece) noexcept {
-    State<N> next = state;
-    const bool jumped = piece.code == code::jump;
-    const std::int32_t h = jumped ? 1 : piece.subs / subs_per_tick;
-    for (std::size_t c = 0; c < N; ++c) {
-        const std::int64_t rise =
-            std::int64_t{piece.k[c]} + (jumped ? 0 : predicted_rise(state.s[c], state.fresh, h));
-        const std::int32_t most = jumped ? jump_max : rise_max;
-        const std::int64_t v = state.v[c] + rise;
-        if (rise > most || rise < -most || v > vertex_max || v < -vertex_max) return false;
-        next.v[c] = static_cast<std::int32_t>(v);
-        next.s[c] = jumped ? 0
-                           : slope_after(state.s[c], ends_on_chord(piece.code, state.fresh),
-                                         static_cast<std::int32_t>(rise), h);
-        if (next.s[c] > slope_max || next.s[c] < -slope_max) return false;
-    }
-    remember(next, piece);
-    next.phase = static_cast<std::uint8_t>((state.phase + piece.subs) % subs_per_tick);
-    state = next;
-    return true;
+    return step(state.view(), piece.code, piece.subs, piece.k.data());
 }
 
 /// The curve within one piece, of one component: v + c1 t + c2 t^2 + c3 t^3 lattice steps, t in

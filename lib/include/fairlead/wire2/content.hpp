@@ -46,6 +46,18 @@ struct Tracks {
     std::array<curve::Scale, Rotations> turn{};
 
     float step(std::size_t rotation) const noexcept { return step_of(turn[rotation]); }
+    /// range.rotates, known when compiled where only one sort of tracks exists.
+    static constexpr bool turns(const TrackRange& range) noexcept {
+        return Rotations > 0 && (Axes == 0 || range.rotates);
+    }
+    const curve::Scale& scale_of(const TrackRange& range, std::size_t track) const noexcept {
+        if constexpr (Rotations == 0)
+            return scale[range.first + track];
+        else if constexpr (Axes == 0)
+            return turn[range.first];
+        else
+            return range.rotates ? turn[range.first] : scale[range.first + track];
+    }
 };
 
 /// Where the curves are: all that the next frame's content depends on.
@@ -55,6 +67,24 @@ struct TrackStates {
     std::array<curve::RotationState, Rotations> rotation{};
     std::uint8_t live{0};    // a bit for each channel: its curve goes on
     std::uint8_t hidden{0};  // likewise: a reader joined, the slope at the curve's end is not known
+
+    curve::StateView track(const TrackRange& range, std::size_t track) noexcept {
+        if constexpr (Rotations == 0)
+            return axis[range.first + track].view();
+        else if constexpr (Axes == 0)
+            return rotation[range.first].chart.view();
+        else
+            return range.rotates ? rotation[range.first].chart.view()
+                                 : axis[range.first + track].view();
+    }
+};
+
+/// Absolute places of curves as a frame tells them, channel by channel: the values of a vector, a
+/// rotation on the grid.
+template <std::size_t Axes, std::size_t Rotations>
+struct Places {
+    std::array<std::int32_t, Axes> value{};
+    std::array<curve::GridQuat, Rotations> grid{};
 };
 
 /// What a frame says of one channel. Ticks count from the start of the frame.
@@ -140,22 +170,27 @@ template <class... Kinds>
 struct KindSet {
     static constexpr bool has(std::uint8_t id) noexcept { return ((Kinds::id == id) || ...); }
 
-    template <class Io, std::size_t N>
-    static constexpr bool piece(std::uint8_t id, Io& io, curve::State<N>& state,
-                                curve::Piece<N>& piece, std::int32_t left, code::End end,
-                                const std::int32_t* told) noexcept {
-        bool good = false;
+    /// The tables of a kind that has() knows.
+    template <std::size_t N>
+    static constexpr code::CostsView costs(std::uint8_t id) noexcept {
+        code::CostsView view{code::costs<First<Kinds...>, N>};
         static_cast<void>(
-            ((Kinds::id == id && (good = code::code_piece<Kinds>(io, code::costs<Kinds, N>, state,
-                                                                 piece, left, end, told),
-                                  true)) ||
-             ...));
-        return good;
+            ((Kinds::id == id && (view = code::CostsView{code::costs<Kinds, N>}, true)) || ...));
+        return view;
     }
+
+  private:
+    template <class Kind, class...>
+    struct Head {
+        using Type = Kind;
+    };
+    template <class... All>
+    using First = typename Head<All...>::Type;
 };
 
 /// Codes the content of one frame. Io: code::RangeEncoder, code::RangeDecoder or code::Counter.
-template <class Io, std::size_t Axes, std::size_t Rotations, class Kinds>
+/// Independent: false where no stream of independent frames is coded.
+template <class Io, std::size_t Axes, std::size_t Rotations, class Kinds, bool Independent = true>
 class Content {
   public:
     using Layout = Tracks<Axes, Rotations>;
@@ -165,21 +200,21 @@ class Content {
     /// Where coding stands: the track whose piece comes next.
     struct Place {
         std::uint8_t channel{0}, track{0};  // of the channel's tracks
-        std::int32_t left{0};               // sub-ticks to the channel's end in this frame
         bool rebased{false};                // the piece before was a rebase
+        std::int32_t left{0};               // sub-ticks to the channel's end in this frame
     };
 
-    std::array<ChannelFrame, channels_most> channel{};  // an encoder fills these two first
-    std::array<std::int32_t, Axes> told{};              // values at the end, of a restart frame
-    std::array<curve::GridQuat, Rotations> told_grid{};
-    std::array<curve::GridQuat, Rotations> first_grid{};  // of a curve that starts, or a lone start
+    // an encoder fills these first
+    std::array<ChannelFrame, channels_most> channel{};
+    Places<Axes, Rotations> told{};   // at the end, of a frame that tells it
+    Places<Axes, Rotations> first{};  // of a curve that starts, or of a rotation at a told start
 
     /// The part before the pieces. An encoder has set the states of channels that start to their
     /// first vertices. @return false: nonsense.
     bool open(Io& io, const Layout& layout, States& states, const FrameHead& head, bool independent,
               Reading reading) noexcept {
         restart_ = head.restart && !independent;
-        independent_ = independent;
+        independent_ = Independent && independent;
         const auto ticks = static_cast<std::uint32_t>((head.end - head.start) / sub_per_tick);
         for (std::size_t c = 0; c < layout.channels; ++c)
             if (!open_ends(io, layout, states, c, reading)) return false;
@@ -195,36 +230,28 @@ class Content {
     bool done(const Layout& layout) const noexcept { return place_.channel >= layout.channels; }
     const Place& place() const noexcept { return place_; }
 
-    /// The next piece of an axis. @return false: nonsense.
-    bool piece(Io& io, const Layout& layout, States& states, curve::Piece<1>& piece) noexcept {
+    /// The next piece: code, duration and k for each component of its track. @return false:
+    /// nonsense.
+    bool piece(Io& io, const Layout& layout, States& states, std::uint8_t& c, std::uint16_t& subs,
+               std::int32_t* k) noexcept {
         const TrackRange& range = layout.channel[place_.channel];
-        const std::size_t a = range.first + place_.track;
-        if (!Kinds::piece(range.kind, io, states.axis[a], piece, place_.left, end_of(), &told[a]))
+        const bool turns = Layout::turns(range), told_end = ends_told(place_.channel, turns);
+        const curve::StateView state = states.track(range, place_.track);
+        const std::int32_t* to = nullptr;
+        if constexpr (Axes > 0)
+            if (!turns) to = &told.value[range.first + std::size_t{place_.track}];
+        if (!code::code_piece(io, costs(range, turns), state, c, subs, k, place_.left,
+                              told_end ? code::End::told : code::End::coded, to))
             return false;
-        if (place_.left == piece.subs && end_of() == code::End::told &&
-            states.axis[a].v[0] != told[a])
-            return false;
-        return leave(layout, piece.subs);
-    }
-    /// The next piece of a rotation; before: the state before it, changed as the piece says.
-    bool piece(Io& io, const Layout& layout, States& states, curve::Piece<3>& piece) noexcept {
-        const TrackRange& range = layout.channel[place_.channel];
-        curve::RotationState& state = states.rotation[range.first];
-        const float step = layout.step(range.first);
-        if (!Kinds::piece(range.kind, io, state.chart, piece, place_.left, end_of(), nullptr))
-            return false;
-        if (piece.code == curve::code::rebase) {
-            if (place_.rebased) return false;
-            curve::rebase(state, step);
-            place_.rebased = true;
-            return true;
+        if (c == curve::code::rebase && place_.rebased) return false;
+        place_.rebased = c == curve::code::rebase;
+        const bool ends = told_end && place_.left == subs && !place_.rebased;
+        if constexpr (Rotations > 0) {
+            if (turns) turn(layout, states.rotation[range.first], range.first, c, subs, ends);
         }
-        place_.rebased = false;
-        if (place_.left == piece.subs && end_of() == code::End::told) {
-            const Quat end = curve::from_grid(told_grid[range.first], step);
-            curve::step_onto(state, piece, end, curve::place(state.anchor, end, step), step);
-        }
-        return leave(layout, piece.subs);
+        if (place_.rebased) return true;
+        if (ends && !turns && state.v[0] != *to) return false;
+        return leave(layout, subs);
     }
 
     /// After the last piece: the seam to the next frame.
@@ -237,13 +264,12 @@ class Content {
                 states.hidden = static_cast<std::uint8_t>(states.hidden & ~bit);
             if (!channel[c].goes_on) continue;
             states.live = static_cast<std::uint8_t>(states.live | bit);
-            for (std::size_t i = 0; i < range.count; ++i) {
-                const std::size_t t = range.first + i;
-                if (turns(range)) {
-                    if constexpr (Rotations > 0) hand_over(states.rotation[t], layout.step(t));
-                } else if constexpr (Axes > 0) {
-                    if (restart_ || independent_) states.axis[t].forget(restart_);
-                }
+            if (restart_ || lone()) {
+                for (std::size_t i = 0; i < range.count; ++i)
+                    states.track(range, i).forget(restart_);
+            } else if constexpr (Rotations > 0) {
+                if (Layout::turns(range))
+                    curve::rebase(states.rotation[range.first], layout.step(range.first));
             }
         }
     }
@@ -254,39 +280,101 @@ class Content {
         for (std::size_t c = 0; c < layout.channels; ++c) {
             if (!channel[c].goes_on) continue;
             states.live = static_cast<std::uint8_t>(states.live | 1u << c);
-            const TrackRange& range = layout.channel[c];
-            for (std::size_t i = 0; i < range.count; ++i) {
-                const std::size_t t = range.first + i;
-                if (turns(range)) {
-                    if constexpr (Rotations > 0)
-                        states.rotation[t].anchor = curve::from_grid(told_grid[t], layout.step(t));
-                } else if constexpr (Axes > 0) {
-                    states.axis[t].v[0] = told[t];
-                }
-            }
+            put(layout, states, layout.channel[c], told);
         }
         states.hidden = states.live;
     }
 
     /// Does the frame tell absolutely where this channel ends?
     bool ends_told(std::size_t c, bool rotates) const noexcept {
-        return (restart_ || (independent_ && rotates)) && channel[c].goes_on;
+        return (restart_ || (lone() && rotates)) && channel[c].goes_on;
     }
 
   private:
-    /// range.rotates, known when compiled where only one sort of tracks exists.
-    static constexpr bool turns(const TrackRange& range) noexcept {
-        return Rotations > 0 && (Axes == 0 || range.rotates);
-    }
-    void hand_over(curve::RotationState& state, float step) const noexcept {
-        if (!restart_ && !independent_)
-            curve::rebase(state, step);
+    using PlacesType = Places<Axes, Rotations>;
+
+    bool lone() const noexcept { return Independent && independent_; }
+
+    static code::CostsView costs(const TrackRange& range, bool turns) noexcept {
+        if constexpr (Rotations == 0)
+            return Kinds::template costs<1>(range.kind);
+        else if constexpr (Axes == 0)
+            return Kinds::template costs<3>(range.kind);
         else
-            state.chart.forget(restart_);
+            return turns ? Kinds::template costs<3>(range.kind)
+                         : Kinds::template costs<1>(range.kind);
     }
-    code::End end_of() const noexcept {
-        return ends_told(place_.channel, rotates_) ? code::End::told : code::End::coded;
+    /// What a piece does to a rotation beside its step.
+    void turn(const Layout& layout, curve::RotationState& state, std::size_t rotation,
+              std::uint8_t c, std::int32_t subs, bool ends) const noexcept {
+        const float step = layout.step(rotation);
+        if (c == curve::code::rebase) {
+            curve::rebase(state, step);
+        } else if (ends) {
+            const Quat end = curve::from_grid(told.grid[rotation], step);
+            curve::step_onto(state, c, subs, end, curve::place(state.anchor, end, step), step);
+        }
     }
+
+    // ---- absolute places
+
+    static bool code_place(Io& io, const Layout& layout, const TrackRange& range,
+                           PlacesType& at) noexcept {
+        if (Layout::turns(range)) {
+            if constexpr (Rotations > 0)
+                return detail::code_grid(io, at.grid[range.first], layout.step(range.first));
+        } else if constexpr (Axes > 0) {
+            return detail::code_values(io, &at.value[range.first], range.count);
+        }
+        return false;
+    }
+    /// A curve begins there. @return false: out of bounds.
+    static bool put(const Layout& layout, States& states, const TrackRange& range,
+                    const PlacesType& at) noexcept {
+        bool good = true;
+        if (Layout::turns(range)) {
+            if constexpr (Rotations > 0)
+                states.rotation[range.first] = {
+                    curve::from_grid(at.grid[range.first], layout.step(range.first)), {}};
+        } else if constexpr (Axes > 0) {
+            for (std::size_t i = range.first; i < range.first + std::size_t{range.count}; ++i) {
+                states.axis[i] = {};
+                states.axis[i].v[0] = at.value[i];
+                good = good && inside(at.value[i], curve::vertex_max);
+            }
+        }
+        return good;
+    }
+    /// Are the curves there?
+    static bool stand(const Layout& layout, const States& states, const TrackRange& range,
+                      const PlacesType& at) noexcept {
+        bool good = true;
+        if (Layout::turns(range)) {
+            if constexpr (Rotations > 0) {
+                const auto& [a, chart] = states.rotation[range.first];
+                const Quat q = curve::from_grid(at.grid[range.first], layout.step(range.first));
+                good = approx::same(q.w, a.w) && approx::same(q.x, a.x) && approx::same(q.y, a.y) &&
+                       approx::same(q.z, a.z) && (chart.v[0] | chart.v[1] | chart.v[2]) == 0;
+            }
+        } else if constexpr (Axes > 0) {
+            for (std::size_t i = range.first; i < range.first + std::size_t{range.count}; ++i)
+                good = good && states.axis[i].v[0] == at.value[i];
+        }
+        return good;
+    }
+    static constexpr bool inside(std::int32_t x, std::int32_t most) noexcept {
+        return x <= most && x >= -most;
+    }
+    /// The values that an encoder, or a reader in step, knows.
+    static void know(const States& states, const TrackRange& range, PlacesType& at) noexcept {
+        if constexpr (Axes > 0) {
+            if (Layout::turns(range)) return;
+            for (std::size_t i = range.first; i < range.first + std::size_t{range.count}; ++i)
+                at.value[i] = states.axis[i].v[0];
+        }
+    }
+
+    // ---- what stands before the pieces
 
     bool open_ends(Io& io, const Layout& layout, States& states, std::size_t c,
                    Reading reading) noexcept {
@@ -294,7 +382,7 @@ class Content {
         const auto bit = static_cast<std::uint8_t>(1u << c);
         ChannelFrame& frame = channel[c];
         bool live = (states.live & bit) != 0;
-        if (independent_) {
+        if (lone()) {
             bool lives = live && !frame.over;
             io.flag(lives, 15, 4);
             if (reading == Reading::in_step && lives && !live) return false;
@@ -310,62 +398,34 @@ class Content {
         bool as_usual = frame.goes_on == usual;
         io.flag(as_usual, 15, 4);
         frame.goes_on = as_usual == usual;
-        if (!ends_told(c, turns(range))) return true;
-        if (turns(range)) {
-            if constexpr (Rotations > 0)
-                return detail::code_grid(io, told_grid[range.first], layout.step(range.first));
-        } else if constexpr (Axes > 0) {
-            return detail::code_values(io, &told[range.first], range.count);
-        }
-        return false;
+        return !ends_told(c, Layout::turns(range)) || code_place(io, layout, range, told);
     }
     /// An independent frame tells the values and slopes at its start.
     bool start_told(Io& io, const Layout& layout, States& states, const TrackRange& range,
                     Reading reading) noexcept {
         const bool known = reading == Reading::in_step;
-        if (turns(range)) {
-            if constexpr (Rotations > 0)
-                return start_rotation(io, states.rotation[range.first], first_grid[range.first],
-                                      layout.step(range.first), known);
-        } else if constexpr (Axes > 0) {
-            return start_vector(io, &states.axis[range.first], range.count, known);
-        }
-        return false;
-    }
-    bool start_vector(Io& io, curve::State<1>* axes, std::size_t n, bool known) noexcept {
-        std::array<std::int32_t, Axes> v{}, s{};
-        for (std::size_t i = 0; i < n; ++i) {
-            v[i] = axes[i].v[0];
-            s[i] = axes[i].s[0];
-        }
-        if (!detail::code_values(io, v.data(), n) || !detail::code_values(io, s.data(), n))
+        know(states, range, first);
+        if (!code_place(io, layout, range, first)) return false;
+        if (known ? !stand(layout, states, range, first) : !put(layout, states, range, first))
             return false;
-        for (std::size_t i = 0; i < n; ++i) {
-            if (out_of_bounds(v[i], s[i])) return false;
-            if (known && (axes[i].v[0] != v[i] || axes[i].s[0] != s[i])) return false;
-            if (!known) axes[i].forget(false);
-            axes[i].v[0] = v[i];
-            axes[i].s[0] = s[i];
+        std::array<std::int32_t, (Axes > 3 ? Axes : 3)> s{};
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < range.count; ++i) {
+            const curve::StateView state = states.track(range, i);
+            for (std::size_t k = 0; k < state.n; ++k) s[n++] = state.s[k];
         }
-        return true;
-    }
-    static bool start_rotation(Io& io, curve::RotationState& state, curve::GridQuat& grid,
-                               float step, bool known) noexcept {
-        std::array<std::int32_t, 3> s = state.chart.s;
-        if (!detail::code_grid(io, grid, step) || !detail::code_values(io, s.data(), 3))
-            return false;
-        for (const std::int32_t one : s)
-            if (out_of_bounds(0, one)) return false;
-        if (known) return s == state.chart.s && stands_on(state, grid, step);
-        state.anchor = curve::from_grid(grid, step);
-        state.chart = {};
-        state.chart.forget(false);
-        state.chart.s = s;
-        return true;
-    }
-    static bool out_of_bounds(std::int32_t v, std::int32_t s) noexcept {
-        return v > curve::vertex_max || v < -curve::vertex_max || s > curve::slope_max ||
-               s < -curve::slope_max;
+        if (!detail::code_values(io, s.data(), n)) return false;
+        n = 0;
+        bool good = true;
+        for (std::size_t i = 0; i < range.count; ++i) {
+            const curve::StateView state = states.track(range, i);
+            if (!known) state.forget(false);
+            for (std::size_t k = 0; k < state.n; ++k, ++n) {
+                good = good && inside(s[n], curve::slope_max) && (!known || state.s[k] == s[n]);
+                state.s[k] = s[n];
+            }
+        }
+        return good;
     }
 
     bool open_times(Io& io, const Layout& layout, States& states, std::size_t c,
@@ -373,7 +433,7 @@ class Content {
         const TrackRange& range = layout.channel[c];
         ChannelFrame& frame = channel[c];
         bool live = (states.live >> c & 1u) != 0;
-        if (live && !independent_) io.flag(frame.over, 1, 5);
+        if (live && !lone()) io.flag(frame.over, 1, 5);
         live = live && !frame.over;
         if (!live && !frame.goes_on) {  // rarely a curve that starts and ends in the frame
             io.flag(frame.present, 1, 4);
@@ -387,66 +447,26 @@ class Content {
         if (!Io::writes) frame.end_tick = static_cast<std::uint8_t>(ticks);
         if (!frame.goes_on && !detail::code_tick(io, frame.end_tick, frame.start_tick, ticks))
             return false;
-        if (!live && !start_curve(io, layout, states, range)) return false;
-        return frame.start_tick < frame.end_tick || !frame.goes_on ||
-               ends_as_told(layout, states, c);
-    }
-    /// Without a piece the curve is already where the frame tells that it ends.
-    bool ends_as_told(const Layout& layout, const States& states, std::size_t c) const noexcept {
-        const TrackRange& range = layout.channel[c];
-        if (!ends_told(c, turns(range))) return true;
-        bool good = true;
-        if (turns(range)) {
-            if constexpr (Rotations > 0)
-                good = stands_on(states.rotation[range.first], told_grid[range.first],
-                                 layout.step(range.first));
-        } else if constexpr (Axes > 0) {
-            for (std::size_t i = 0; i < range.count; ++i)
-                good = good && states.axis[range.first + i].v[0] == told[range.first + i];
+        if (!live) {  // the first vertex: an encoder has set it as the state
+            know(states, range, first);
+            if (!code_place(io, layout, range, first) || !put(layout, states, range, first))
+                return false;
         }
-        return good;
+        // without a piece the curve is already where the frame tells that it ends
+        return frame.start_tick < frame.end_tick || !ends_told(c, Layout::turns(range)) ||
+               stand(layout, states, range, told);
     }
-    static bool stands_on(const curve::RotationState& state, const curve::GridQuat& grid,
-                          float step) noexcept {
-        const Quat q = curve::from_grid(grid, step);
-        const std::array<std::int32_t, 3> zero{};
-        const Quat& a = state.anchor;
-        return approx::same(q.w, a.w) && approx::same(q.x, a.x) && approx::same(q.y, a.y) &&
-               approx::same(q.z, a.z) && state.chart.v == zero;
-    }
-    /// The first vertex of a curve. An encoder has set it as the state.
-    bool start_curve(Io& io, const Layout& layout, States& states,
-                     const TrackRange& range) noexcept {
-        if (turns(range)) {
-            if constexpr (Rotations > 0) {
-                curve::RotationState& state = states.rotation[range.first];
-                const float step = layout.step(range.first);
-                curve::GridQuat& grid = first_grid[range.first];
-                if (!detail::code_grid(io, grid, step)) return false;
-                state.chart = {};
-                state.anchor = curve::from_grid(grid, step);
-            }
-        } else if constexpr (Axes > 0) {
-            std::array<std::int32_t, Axes> v{};
-            for (std::size_t i = 0; i < range.count; ++i) v[i] = states.axis[range.first + i].v[0];
-            if (!detail::code_values(io, v.data(), range.count)) return false;
-            for (std::size_t i = 0; i < range.count; ++i) {
-                if (out_of_bounds(v[i], 0)) return false;
-                states.axis[range.first + i] = {};
-                states.axis[range.first + i].v[0] = v[i];
-            }
-        }
-        return true;
-    }
+
+    // ---- from track to track
 
     /// Goes to the first track that has a piece, from place_ on.
     void enter(const Layout& layout) noexcept {
         for (; place_.channel < layout.channels; ++place_.channel, place_.track = 0) {
             const ChannelFrame& frame = channel[place_.channel];
-            const TrackRange& range = layout.channel[place_.channel];
-            rotates_ = turns(range);
             place_.left = (frame.end_tick - frame.start_tick) * static_cast<int>(sub_per_tick);
-            if (frame.present && place_.left > 0 && place_.track < range.count) return;
+            if (frame.present && place_.left > 0 &&
+                place_.track < layout.channel[place_.channel].count)
+                return;
         }
     }
     bool leave(const Layout& layout, std::int32_t subs) noexcept {
@@ -454,14 +474,13 @@ class Content {
         place_.left -= subs;
         if (place_.left == 0) {
             ++place_.track;
-            place_.rebased = false;
             enter(layout);
         }
         return true;
     }
 
     Place place_{};
-    bool restart_{false}, independent_{false}, rotates_{false};
+    bool restart_{false}, independent_{false};
 };
 
 }  // namespace fairlead::wire2

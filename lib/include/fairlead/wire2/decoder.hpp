@@ -16,6 +16,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 #include "fairlead/wire2/content.hpp"
@@ -83,24 +84,35 @@ BasicQuat<Real> rotation_at(const CurvePiece& p, Real ticks) noexcept {
     return anchor * from_rotation_vector(theta);
 }
 
+/// What a decoder reads. What is off costs nothing.
+struct Everything {
+    static constexpr bool events = true;        // false: event frames are passed over
+    static constexpr bool independent = true;   // false: a stream of independent frames is refused
+    static constexpr unsigned check_bits = 16;  // see Receiver
+};
+struct CurvesAlone : Everything {
+    static constexpr bool events = false, independent = false;
+};
+
 /// Axes, Rotations: the most that the stream's channels may hold together. Kinds: of their pieces.
-/// Memory: sizeof. CheckBits: see Receiver.
+/// Memory: sizeof.
 template <std::size_t Axes = 3, std::size_t Rotations = 1, class Kinds = KindSet<curve::Smooth>,
-          unsigned CheckBits = 16>
+          class Parts = Everything>
 class Decoder {
     static_assert(Axes + Rotations <= 16 && Axes <= axes_max * channels_max);
 
   public:
     using Layout = Tracks<Axes, Rotations>;
     using States = TrackStates<Axes, Rotations>;
-    using Frames = Receiver<CheckBits>;
+    using Frames = Receiver<Parts::check_bits>;
+    using Events = std::conditional_t<Parts::events, EventReader, NoEventReader>;
     static constexpr std::size_t frames_parsed = 7;
 
     enum class Refused : std::uint8_t {
         nothing,
         version,  // a header of another version of the format
         content,  // a header that tells nonsense
-        shape,    // more axes, rotations or channels than this decoder holds, or another kind
+        shape,    // more than this decoder holds, another kind, or independent frames
         foreign,  // a header of another stream than the one that is followed
     };
     struct Counters {
@@ -110,7 +122,7 @@ class Decoder {
         std::uint32_t breaks{0};    // pieces that jump, as far as they were asked for
     };
 
-    Decoder() = default;
+    Decoder() noexcept {}  // at run time: no image of the memory stands in flash
     /// Follows this stream alone; otherwise the first one whose header comes.
     explicit Decoder(std::uint16_t stream_id) noexcept : stream_id_{stream_id}, chosen_{true} {}
 
@@ -164,12 +176,12 @@ class Decoder {
     Refused refused() const noexcept { return refused_; }
     const Counters& counters() const noexcept { return counters_; }
     const typename Frames::Counters& frame_counters() const noexcept { return frames_.counters(); }
-    const EventReader::Counters& event_counters() const noexcept { return events_.counters(); }
+    const EventCounters& event_counters() const noexcept { return events_.counters(); }
 
   private:
     using Frame = typename Frames::Frame;
     using Found = typename Frames::Found;
-    using Reader = Content<code::RangeDecoder, Axes, Rotations, Kinds>;
+    using Reader = Content<code::RangeDecoder, Axes, Rotations, Kinds, Parts::independent>;
     enum class Step : std::uint8_t { none, points, pieces };
 
     bool advance(std::size_t tries) noexcept {
@@ -226,7 +238,8 @@ class Decoder {
     }
     static bool fits(const StreamShape& shape) noexcept {
         std::size_t axes = 0, rotations = 0;
-        bool good = shape.channels <= Layout::channels_most && shape.timing.sub_ns > 0;
+        bool good = shape.channels <= Layout::channels_most &&
+                    (Parts::independent || !shape.timing.independent);
         for (std::size_t c = 0; c < shape.channels && good; ++c) {
             const ChannelShape& channel = shape.channel[c];
             const bool rotates = channel.type == ChannelType::orientation;
@@ -272,21 +285,14 @@ class Decoder {
         code::RangeDecoder io{frame.payload(), frame.payload_size()};
         Reader reader;
         if (!open(io, reader, before, joins, states, head)) return false;
-        if (joins && !timing_.independent) {
+        if (joins && !lone()) {
             reader.join(layout_, states);
             return true;
         }
-        for (bool good = true; !reader.done(layout_);) {
-            if (layout_.channel[reader.place().channel].rotates) {
-                if constexpr (Rotations > 0) {
-                    curve::Piece<3> piece;
-                    good = reader.piece(io, layout_, states, piece);
-                }
-            } else if constexpr (Axes > 0) {
-                curve::Piece<1> piece;
-                good = reader.piece(io, layout_, states, piece);
-            }
-            if (!good || !io.ok()) return false;
+        curve::Piece<3> piece;
+        while (!reader.done(layout_)) {
+            if (!reader.piece(io, layout_, states, piece.code, piece.subs, piece.k.data()))
+                return false;
         }
         reader.close(layout_, states);
         return io.finished();
@@ -294,9 +300,9 @@ class Decoder {
     bool open(code::RangeDecoder& io, Reader& reader, std::int64_t before, bool joins,
               States& states, FrameHead& head) const noexcept {
         if (joins) states = {};
-        const Reading reading = !joins                ? Reading::in_step
-                                : timing_.independent ? Reading::lone
-                                                      : Reading::joining;
+        const Reading reading = !joins   ? Reading::in_step
+                                : lone() ? Reading::lone
+                                         : Reading::joining;
         return code_head(io, head, timing_, before, joins) &&
                reader.open(io, layout_, states, head, timing_.independent, reading);
     }
@@ -315,7 +321,7 @@ class Decoder {
         content_ = {};
         io_ = {frame.payload(), frame.payload_size()};
         if (joins) pending_ = 0xffff;
-        if (joins && !timing_.independent) return true;  // nothing to draw before the next frame
+        if (joins && !lone()) return true;  // nothing to draw before the next frame
         open(io_, content_, frame.before, joins, walk_, head);
         begin_curves();
         step_ = Step::points;
@@ -335,30 +341,26 @@ class Decoder {
         return true;
     }
 
+    bool lone() const noexcept { return Parts::independent && timing_.independent; }
+
     // ---- telling a frame again, piece by piece
 
-    void describe(CurvePiece& piece, std::size_t channel, std::size_t track) const noexcept {
+    /// Where the track stands.
+    void describe(CurvePiece& piece, std::size_t channel, std::size_t track) noexcept {
         const TrackRange& range = layout_.channel[channel];
+        const curve::StateView state = walk_.track(range, track);
         piece = {};
         piece.channel = static_cast<std::uint8_t>(channel);
         piece.axis = static_cast<std::uint8_t>(track);
         piece.rotates = range.rotates;
-        if (range.rotates) {
-            if constexpr (Rotations > 0) {
-                const curve::RotationState& state = walk_.rotation[range.first];
-                piece.v = state.chart.v;
-                piece.s = state.chart.s;
-                piece.fresh = state.chart.fresh;
-                piece.anchor = state.anchor;
-                piece.scale = layout_.turn[range.first];
-            }
-        } else if constexpr (Axes > 0) {
-            const curve::State<1>& state = walk_.axis[range.first + track];
-            piece.v[0] = state.v[0];
-            piece.s[0] = state.s[0];
-            piece.fresh = state.fresh;
-            piece.scale = layout_.scale[range.first + track];
+        piece.fresh = state.history.fresh;
+        piece.scale = layout_.scale_of(range, track);
+        for (std::size_t c = 0; c < state.n; ++c) {
+            piece.v[c] = state.v[c];
+            piece.s[c] = state.s[c];
         }
+        if constexpr (Rotations > 0)
+            if (Layout::turns(range)) piece.anchor = walk_.rotation[range.first].anchor;
     }
     /// Curves of a single vertex, and those that ended with the frame before, have no piece here:
     /// told as pieces without duration; of the latter only that they ended.
@@ -389,35 +391,43 @@ class Decoder {
         step_ = Step::pieces;
         return false;
     }
-    /// @return false: the piece is not to be told, its slope is not known.
+    /// @return false: the piece is not to be told: its slope is not known, or it takes no time.
     bool step(CurvePiece& piece) noexcept {
         const typename Reader::Place place = content_.place();
         const ChannelFrame& frame = content_.channel[place.channel];
+        const TrackRange& range = layout_.channel[place.channel];
         describe(piece, place.channel, place.track);
-        piece.end = head_.start + frame.end_tick * sub_per_tick - place.left;
-        piece.start = piece.end;
-        bool hidden = (walk_.hidden >> place.channel & 1u) != 0 && piece.fresh;
-        if (piece.rotates) {
-            if constexpr (Rotations > 0) {
-                if (!step_rotation(piece)) return false;
-            }
-        } else if constexpr (Axes > 0) {
-            const std::size_t a = layout_.channel[place.channel].first + std::size_t{place.track};
-            curve::Piece<1> next;
-            content_.piece(io_, layout_, walk_, next);
-            finish_piece(piece, next.code, next.subs);
-            const std::int32_t rise = walk_.axis[a].v[0] - piece.v[0];
-            if (piece.jumps) {
-                piece.s[0] = next.k[0];
-                piece.v[0] = walk_.axis[a].v[0];
+        curve::Piece<3> next;
+        content_.piece(io_, layout_, walk_, next.code, next.subs, next.k.data());
+        if (next.code == curve::code::rebase) return false;
+        const std::int64_t last = head_.start + frame.end_tick * sub_per_tick;
+        piece.start = last - place.left;
+        piece.end = piece.start + next.subs;
+        piece.code = next.code;
+        piece.jumps = next.code == curve::code::jump;
+        piece.ends = !frame.goes_on && piece.end == last;
+        const curve::StateView after = walk_.track(range, place.track);
+        for (std::size_t c = 0; c < after.n; ++c) {
+            if (piece.jumps) {  // the value holds after the jump, until the piece ends
+                piece.s[c] = next.k[c];
+                piece.v[c] += next.k[c];
             } else {
-                piece.rise[0] = static_cast<float>(rise);
+                piece.rise[c] = static_cast<float>(after.v[c] - piece.v[c]);
+            }
+        }
+        if constexpr (Rotations > 0) {
+            if (!piece.jumps && next.subs == place.left && Layout::turns(range) &&
+                content_.ends_told(place.channel, true)) {
+                const auto end = curve::place(piece.anchor, walk_.rotation[range.first].anchor,
+                                              layout_.step(range.first));
+                for (std::size_t c = 0; c < 3; ++c)
+                    piece.rise[c] = end[c] - static_cast<float>(piece.v[c]);
             }
         }
         if (piece.jumps) ++counters_.breaks;
-        hidden = hidden && !piece.jumps;
+        const bool hidden =
+            (walk_.hidden >> place.channel & 1u) != 0 && piece.fresh && !piece.jumps;
         if (!hidden) piece.begins = take_pending(place.channel, place.track);
-        piece.ends = !frame.goes_on && piece.end == head_.start + frame.end_tick * sub_per_tick;
         return !hidden;
     }
     /// Is the track's curve told for the first time?
@@ -438,37 +448,9 @@ class Decoder {
             pending_ = static_cast<std::uint16_t>(pending_ | tracks);
         }
     }
-    bool step_rotation(CurvePiece& piece) noexcept {
-        const TrackRange& range = layout_.channel[piece.channel];
-        const typename Reader::Place place = content_.place();
-        curve::Piece<3> next;
-        content_.piece(io_, layout_, walk_, next);
-        if (next.code == curve::code::rebase) return false;
-        finish_piece(piece, next.code, next.subs);
-        const float step = layout_.step(range.first);
-        const curve::RotationState& after = walk_.rotation[range.first];
-        const bool told = next.subs == place.left && content_.ends_told(place.channel, true);
-        const std::array<float, 3> end =
-            told ? curve::place(piece.anchor, after.anchor, step)
-                 : std::array<float, 3>{static_cast<float>(after.chart.v[0]),
-                                        static_cast<float>(after.chart.v[1]),
-                                        static_cast<float>(after.chart.v[2])};
-        if (piece.jumps) {  // the value holds after the jump, until the piece ends
-            piece.s = next.k;
-            for (std::size_t c = 0; c < 3; ++c) piece.v[c] += next.k[c];
-            return true;
-        }
-        for (std::size_t c = 0; c < 3; ++c) piece.rise[c] = end[c] - static_cast<float>(piece.v[c]);
-        return true;
-    }
-    void finish_piece(CurvePiece& piece, std::uint8_t code, std::int32_t subs) noexcept {
-        piece.code = code;
-        piece.jumps = code == curve::code::jump;
-        piece.end = piece.start + subs;
-    }
 
     Frames frames_{};
-    EventReader events_{};
+    Events events_{};
     Layout layout_{};
     States states_{}, walk_{};
     Reader content_{};

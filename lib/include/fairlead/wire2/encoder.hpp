@@ -326,13 +326,13 @@ class Encoder {
             frame.start_tick = static_cast<std::uint8_t>(s.start_tick);
             frame.end_tick = static_cast<std::uint8_t>(s.present && s.ends ? s.end_tick : ticks);
             if constexpr (Tag::rotations > 0) {
-                coder.first_grid[rotation] = s.start_grid;
-                coder.told_grid[rotation] = s.end_grid;
+                coder.first.grid[rotation] = s.start_grid;
+                coder.told.grid[rotation] = s.end_grid;
                 if (frame.starts) writer_.states.rotation[rotation] = s.start;
                 ++rotation;
             } else {
                 for (std::size_t k = 0; k < Tag::axes; ++k, ++axis) {
-                    coder.told[axis] = s.end_v[k];
+                    coder.told.value[axis] = s.end_v[k];
                     if (frame.starts) writer_.states.axis[axis] = s.start[k];
                 }
             }
@@ -347,8 +347,8 @@ class Encoder {
             const TrackRange& range = writer_.layout().channel[c];
             if (!range.rotates) continue;
             if (header_.shape.timing.independent && !coder.channel[c].starts)
-                coder.first_grid[range.first] = grids_[range.first];
-            grids_[range.first] = coder.told_grid[range.first];
+                coder.first.grid[range.first] = grids_[range.first];
+            grids_[range.first] = coder.told.grid[range.first];
         }
     }
     void code_pieces() noexcept {

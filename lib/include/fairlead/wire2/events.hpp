@@ -217,15 +217,17 @@ class EventSender<0> {
     std::uint32_t refused_{0};
 };
 
+struct EventCounters {
+    std::uint32_t frames{0};
+    std::uint32_t events{0};  // new ones
+    std::uint32_t lost{0};    // missing in the numbers: refused by the sender, or lost
+};
+
 /// The reading side: the events of a frame that are new, in the order in which they were offered.
 /// The bytes of the frame must stay until they were asked for, or the next frame is parsed.
 class EventReader {
   public:
-    struct Counters {
-        std::uint32_t frames{0};
-        std::uint32_t events{0};  // new ones
-        std::uint32_t lost{0};    // missing in the numbers: refused by the sender, or lost
-    };
+    using Counters = EventCounters;
 
     /// The payload of a frame whose CRC is right; base_ns: of its run. @return false: nonsense.
     bool parse(const std::uint8_t* payload, std::size_t size, std::int64_t base_ns) noexcept {
@@ -294,6 +296,18 @@ class EventReader {
     std::uint32_t expected_{0};  // number of the next event
     bool known_{false};
     bool hole_{false};  // events are missing before the next one
+};
+
+/// The reading side of a decoder that passes events over.
+class NoEventReader {
+  public:
+    static bool parse(const std::uint8_t*, std::size_t, std::int64_t) noexcept { return false; }
+    static bool next(Event&) noexcept { return false; }
+    static void close() noexcept {}
+    static const EventCounters& counters() noexcept { return none; }
+
+  private:
+    static constexpr EventCounters none{};
 };
 
 }  // namespace fairlead::wire2

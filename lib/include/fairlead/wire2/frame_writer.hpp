@@ -29,8 +29,8 @@ class FrameWriter {
         link_ = {digest, end, 0};
     }
 
-    /// What the frame to open says of the channels; the caller fills channel, told, told_grid and
-    /// first_grid of it, and sets `states` of curves that start to their first vertices.
+    /// What the frame to open says of the channels; the caller fills channel, told and
+    /// first of it, and sets `states` of curves that start to their first vertices.
     Coder& prepare() noexcept {
         coder_ = {};
         return coder_;
@@ -46,7 +46,7 @@ class FrameWriter {
     bool rotates() const noexcept { return layout_.channel[place().channel].rotates; }
     template <std::size_t N>
     bool piece(curve::Piece<N>& p) noexcept {
-        return coder_.piece(io_, layout_, states, p) && io_.ok();
+        return coder_.piece(io_, layout_, states, p.code, p.subs, p.k.data()) && io_.ok();
     }
     /// Seals the frame. @return its size; 0: it did not fit into a frame.
     std::size_t close() noexcept {
