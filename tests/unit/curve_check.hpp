@@ -243,7 +243,7 @@ class Follower<reduce2::RotationChannel<Kind, BeamT, Window>> {
                 z.c[a] = curve::polynomial<double>(p.code, b.fresh, b.s[a], rise, p.subs / 64);
             }
             stretch_.push_back(z);
-            if (landed) curve::step_onto(state_, p, target, end, step);
+            if (landed) curve::step_onto(state_, p.code, p.subs, target, end, step);
             at += p.subs;
         }
         if (left != 0) report.wrong(report.broken, "pieces do not fill the frame");

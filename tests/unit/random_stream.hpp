@@ -46,7 +46,7 @@ class RandomStream {
     void begin_run(std::int64_t end) {
         wire2::Header header{shape_, 0, end, true};
         digest_of(header);
-        writer_.begin_run(layout_, shape_.timing, header.digest, end);
+        writer_.begin_run(shape_, header.digest, end);
         frame_ = 0;
     }
     /// A header frame: starts only before the first frame.
@@ -102,13 +102,9 @@ class RandomStream {
         c.axes = 3;
         c.tolerance = 54614;
         const curve::Scale scale = curve::Scale::of_step(step);
-        c.step.fill({scale.m, static_cast<std::int8_t>(scale.e)});
-        const bool rotates = type == wire2::ChannelType::orientation;
-        layout_.channel[shape_.channels] = {rotates, 0, static_cast<std::uint8_t>(rotates ? 1 : 3),
-                                            options_.kind};
-        if (rotates) layout_.turn[0] = scale;
-        if (!rotates) layout_.scale.fill(scale);
-        layout_.channels = ++shape_.channels;
+        c.step.fill(scale);
+        ++shape_.channels;
+        static_cast<void>(layout_.take(shape_));
     }
     static ByteVector digest_of(wire2::Header& header) {
         ByteVector bytes(wire2::header_frame_max);
@@ -143,14 +139,14 @@ class RandomStream {
                 frame.goes_on = false;
                 frame.end_tick = 0;
             }
-            if (frame.starts) start(coder, c);
+            if (frame.starts) start(c);
         }
     }
-    void start(Writer::Coder& coder, std::size_t c) {
+    void start(std::size_t c) {
         if (layout_.channel[c].rotates) {
             Quat q{1, unit(), unit(), unit()};
-            coder.first.grid[0] = curve::to_grid(normalised(q), layout_.step(0));
-            writer_.states.rotation[0] = {curve::from_grid(coder.first.grid[0], layout_.step(0)),
+            writer_.first.grid[0] = curve::to_grid(normalised(q), layout_.step(0));
+            writer_.states.rotation[0] = {curve::from_grid(writer_.first.grid[0], layout_.step(0)),
                                           {}};
         } else {
             for (auto& axis : writer_.states.axis) {
@@ -220,10 +216,10 @@ class RandomStream {
                     left -= rebased ? 0 : p.subs;
                 }
                 curve::rebase(state, layout_.step(0));
-                coder.told.grid[0] = length == 0 ? coder.first.grid[0]
+                coder.told.grid[0] = length == 0 ? writer_.first.grid[0]
                                                  : curve::to_grid(state.anchor, layout_.step(0));
                 if (options_.independent)
-                    coder.first.grid[0] = frame.starts ? coder.first.grid[0] : grid_;
+                    writer_.first.grid[0] = frame.starts ? writer_.first.grid[0] : grid_;
                 grid_ = coder.told.grid[0];
                 continue;
             }

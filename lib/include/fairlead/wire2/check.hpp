@@ -41,8 +41,8 @@ constexpr std::size_t frame_size(std::uint8_t first, std::uint8_t second) noexce
 
 /// The place of a frame in its stream: all that must agree between sender and reader.
 struct Link {
-    std::uint32_t header{0};    // CRC-32 of the header frame's fixed part
     std::int64_t end{0};        // sub-ticks since the run's base: where the frame before ended
+    std::uint32_t header{0};    // CRC-32 of the header frame's fixed part
     std::uint32_t previous{0};  // digest of the data frame before; 0: the run's first
 };
 

@@ -16,76 +16,10 @@
 
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/code/tables.hpp"
-#include "fairlead/curve/rotation.hpp"
-#include "fairlead/curve/scale.hpp"
 #include "fairlead/wire2/frame_head.hpp"
+#include "fairlead/wire2/tracks.hpp"
 
 namespace fairlead::wire2 {
-
-/// A channel as its tracks: an axis is a track of its own, a rotation is one track.
-struct TrackRange {
-    bool rotates{false};
-    std::uint8_t first{0}, count{0};  // axes, or one rotation
-    std::uint8_t kind{0};
-};
-
-/// The step of a scale as a float, exact, without double arithmetic.
-inline float step_of(const curve::Scale& scale) noexcept {
-    const auto exponent = static_cast<std::uint32_t>(scale.e + 127) << 23;
-    return static_cast<float>(scale.m) * approx::detail::bit_cast<float>(exponent);
-}
-
-/// The channels of a stream, as a coder of at most Axes axes and Rotations rotations holds them.
-template <std::size_t Axes, std::size_t Rotations>
-struct Tracks {
-    static constexpr std::size_t channels_most =
-        Axes + Rotations < channels_max ? Axes + Rotations : channels_max;
-    std::uint8_t channels{0};
-    std::array<TrackRange, channels_most> channel{};
-    std::array<curve::Scale, Axes> scale{};
-    std::array<curve::Scale, Rotations> turn{};
-
-    float step(std::size_t rotation) const noexcept { return step_of(turn[rotation]); }
-    /// range.rotates, known when compiled where only one sort of tracks exists.
-    static constexpr bool turns(const TrackRange& range) noexcept {
-        return Rotations > 0 && (Axes == 0 || range.rotates);
-    }
-    const curve::Scale& scale_of(const TrackRange& range, std::size_t track) const noexcept {
-        if constexpr (Rotations == 0)
-            return scale[range.first + track];
-        else if constexpr (Axes == 0)
-            return turn[range.first];
-        else
-            return range.rotates ? turn[range.first] : scale[range.first + track];
-    }
-};
-
-/// Where the curves are: all that the next frame's content depends on.
-template <std::size_t Axes, std::size_t Rotations>
-struct TrackStates {
-    std::array<curve::State<1>, Axes> axis{};
-    std::array<curve::RotationState, Rotations> rotation{};
-    std::uint8_t live{0};    // a bit for each channel: its curve goes on
-    std::uint8_t hidden{0};  // likewise: a reader joined, the slope at the curve's end is not known
-
-    curve::StateView track(const TrackRange& range, std::size_t track) noexcept {
-        if constexpr (Rotations == 0)
-            return axis[range.first + track].view();
-        else if constexpr (Axes == 0)
-            return rotation[range.first].chart.view();
-        else
-            return range.rotates ? rotation[range.first].chart.view()
-                                 : axis[range.first + track].view();
-    }
-};
-
-/// Absolute places of curves as a frame tells them, channel by channel: the values of a vector, a
-/// rotation on the grid.
-template <std::size_t Axes, std::size_t Rotations>
-struct Places {
-    std::array<std::int32_t, Axes> value{};
-    std::array<curve::GridQuat, Rotations> grid{};
-};
 
 /// What a frame says of one channel. Ticks count from the start of the frame.
 struct ChannelFrame {
@@ -102,68 +36,6 @@ enum class Reading : std::uint8_t {
     lone,     // an independent frame: takes the state at its start from the frame
     joining,  // a restart frame: takes the state at its end, and can read no more than that
 };
-
-namespace detail {
-/// n numbers in lattice steps, |v| < 2^31: their common number of bits, then each with its sign.
-template <class Io>
-constexpr bool code_values(Io& io, std::int32_t* v, std::size_t n) noexcept {
-    std::uint32_t all = 0;
-    for (std::size_t i = 0; i < n; ++i) all |= static_cast<std::uint32_t>(v[i] < 0 ? -v[i] : v[i]);
-    std::uint32_t width = code::bit_count(all);
-    io.bits(width, 5);
-    for (std::size_t i = 0; i < n; ++i) {
-        auto size = static_cast<std::uint32_t>(v[i] < 0 ? -v[i] : v[i]);
-        io.bits(size, width);
-        bool minus = v[i] < 0;
-        if (size != 0) io.flag(minus, 1, 1);
-        v[i] = static_cast<std::int32_t>(size);
-        if (size != 0 && minus) v[i] = -v[i];
-    }
-    return true;
-}
-
-/// v of n equally likely numbers; 0 < n <= 2^20. @return false where the bytes tell none of them.
-template <class Io>
-constexpr bool code_uniform(Io& io, std::uint32_t& v, std::uint32_t n) noexcept {
-    std::uint32_t low = v & 0xffu, high = n > 4096 ? v >> 8 : v;
-    const std::uint32_t highs = n > 4096 ? (n + 255u) >> 8 : n;
-    const std::uint32_t width = (1u << code::total_bits_max) / highs;
-    if constexpr (Io::writes) {
-        if (high >= highs) return false;
-        io.put(high * width, width, code::total_bits_max);
-    } else {
-        high = io.peek(code::total_bits_max) / width;
-        if (high >= highs) return false;
-        io.take(high * width, width, code::total_bits_max);
-    }
-    if (n > 4096) io.bits(low, 8);
-    v = n > 4096 ? high << 8 | low : high;
-    return v < n;
-}
-
-template <class Io>
-constexpr bool code_grid(Io& io, curve::GridQuat& g, float step) noexcept {
-    const std::int32_t most = curve::grid_size(step);
-    std::uint32_t largest = g.largest;
-    io.bits(largest, 2);
-    g.largest = static_cast<std::uint8_t>(largest);
-    for (auto& n : g.n) {
-        auto v = static_cast<std::uint32_t>(n + most);
-        if (!code_uniform(io, v, static_cast<std::uint32_t>(2 * most + 1))) return false;
-        n = static_cast<std::int16_t>(static_cast<std::int32_t>(v) - most);
-    }
-    return true;
-}
-
-template <class Io>
-constexpr bool code_tick(Io& io, std::uint8_t& tick, std::uint32_t from,
-                         std::uint32_t to) noexcept {
-    auto v = static_cast<std::uint32_t>(tick - from);
-    if (!code_uniform(io, v, to - from + 1)) return false;
-    tick = static_cast<std::uint8_t>(from + v);
-    return true;
-}
-}  // namespace detail
 
 /// The pieces of all kinds that a coder knows. One kind costs the tables of that kind alone.
 template <class... Kinds>
@@ -204,23 +76,23 @@ class Content {
         std::int32_t left{0};               // sub-ticks to the channel's end in this frame
     };
 
-    // an encoder fills these first
+    // an encoder fills these before open()
     std::array<ChannelFrame, channels_most> channel{};
-    Places<Axes, Rotations> told{};   // at the end, of a frame that tells it
-    Places<Axes, Rotations> first{};  // of a curve that starts, or of a rotation at a told start
+    Places<Axes, Rotations> told{};  // at the end, of a frame that tells it
 
     /// The part before the pieces. An encoder has set the states of channels that start to their
-    /// first vertices. @return false: nonsense.
+    /// first vertices. first: places at their start, of the rotations that tell them; a reader's
+    /// are written. @return false: nonsense.
     bool open(Io& io, const Layout& layout, States& states, const FrameHead& head, bool independent,
-              Reading reading) noexcept {
+              Reading reading, Places<Axes, Rotations>& first) noexcept {
         restart_ = head.restart && !independent;
         independent_ = Independent && independent;
         const auto ticks = static_cast<std::uint32_t>((head.end - head.start) / sub_per_tick);
         for (std::size_t c = 0; c < layout.channels; ++c)
-            if (!open_ends(io, layout, states, c, reading)) return false;
+            if (!open_ends(io, layout, states, c, reading, first)) return false;
         if (reading == Reading::joining) return io.ok();
         for (std::size_t c = 0; c < layout.channels; ++c)
-            if (!open_times(io, layout, states, c, ticks)) return false;
+            if (!open_times(io, layout, states, c, ticks, first)) return false;
         place_ = {};
         enter(layout);
         return io.ok();
@@ -376,8 +248,8 @@ class Content {
 
     // ---- what stands before the pieces
 
-    bool open_ends(Io& io, const Layout& layout, States& states, std::size_t c,
-                   Reading reading) noexcept {
+    bool open_ends(Io& io, const Layout& layout, States& states, std::size_t c, Reading reading,
+                   PlacesType& first) noexcept {
         const TrackRange& range = layout.channel[c];
         const auto bit = static_cast<std::uint8_t>(1u << c);
         ChannelFrame& frame = channel[c];
@@ -388,7 +260,7 @@ class Content {
             if (reading == Reading::in_step && lives && !live) return false;
             if (!Io::writes) frame.over = reading == Reading::in_step && live && !lives;
             live = lives;
-            if (live && !start_told(io, layout, states, range, reading)) return false;
+            if (live && !start_told(io, layout, states, range, reading, first)) return false;
             if (reading == Reading::lone)
                 states.live =
                     static_cast<std::uint8_t>(live ? states.live | bit : states.live & ~bit);
@@ -402,7 +274,7 @@ class Content {
     }
     /// An independent frame tells the values and slopes at its start.
     bool start_told(Io& io, const Layout& layout, States& states, const TrackRange& range,
-                    Reading reading) noexcept {
+                    Reading reading, PlacesType& first) noexcept {
         const bool known = reading == Reading::in_step;
         know(states, range, first);
         if (!code_place(io, layout, range, first)) return false;
@@ -429,7 +301,7 @@ class Content {
     }
 
     bool open_times(Io& io, const Layout& layout, States& states, std::size_t c,
-                    std::uint32_t ticks) noexcept {
+                    std::uint32_t ticks, PlacesType& first) noexcept {
         const TrackRange& range = layout.channel[c];
         ChannelFrame& frame = channel[c];
         bool live = (states.live >> c & 1u) != 0;

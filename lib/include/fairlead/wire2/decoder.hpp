@@ -166,7 +166,7 @@ class Decoder {
     const Layout& layout() const noexcept { return layout_; }
     /// Tolerance over lattice step of a channel, as the stream tells it.
     float tolerance_steps(std::size_t channel) const noexcept {
-        return static_cast<float>(tolerance_[channel]) * (1.0f / 32768.0f);
+        return static_cast<float>(layout_.channel[channel].tolerance) * (1.0f / 32768.0f);
     }
     /// Of the latest frame, in sub-ticks.
     std::int64_t frame_start() const noexcept { return head_.start; }
@@ -187,6 +187,7 @@ class Decoder {
     bool advance(std::size_t tries) noexcept {
         step_ = Step::none;
         events_.close();
+        const FrameHead latest = head_;
         for (std::size_t i = 0; i < 4; ++i) {
             const Found found = frames_.find(tries);
             const Frame& frame = frames_.frame();
@@ -200,12 +201,13 @@ class Decoder {
                     return true;
             } else if (found == Found::data) {
                 if (take_frame(frame)) return true;
+                head_ = latest;
                 frames_.refuse_frame();
-            } else if (agrees()) {
-                frames_.accept();
             } else {
-                ++counters_.nonsense;
-                frames_.refuse();
+                const bool good = agrees();
+                head_ = latest;
+                counters_.nonsense += !good;
+                good ? frames_.accept() : frames_.refuse();
             }
         }
         return false;
@@ -213,10 +215,11 @@ class Decoder {
 
     bool take_header(HeaderFault fault, const Header& header) noexcept {
         const StreamShape& shape = header.shape;
+        Layout layout;
         refused_ = fault == HeaderFault::unknown_version      ? Refused::version
                    : fault != HeaderFault::none               ? Refused::content
                    : chosen_ && shape.stream_id != stream_id_ ? Refused::foreign
-                   : !fits(shape)                             ? Refused::shape
+                   : !fits(shape, layout)                     ? Refused::shape
                                                               : Refused::nothing;
         if (refused_ != Refused::nothing) {
             ++counters_.refused;
@@ -231,117 +234,79 @@ class Decoder {
         stream_id_ = shape.stream_id;
         run_ = shape.run;
         grid_ = {shape.base_ns, shape.timing.sub_ns};
-        timing_ = shape.timing;
-        lay_out(shape);
+        layout_ = layout;
         frames_.follow_header(shape.timing, header.digest, header.end, header.starts);
         return true;
     }
-    static bool fits(const StreamShape& shape) noexcept {
-        std::size_t axes = 0, rotations = 0;
-        bool good = shape.channels <= Layout::channels_most &&
-                    (Parts::independent || !shape.timing.independent);
-        for (std::size_t c = 0; c < shape.channels && good; ++c) {
-            const ChannelShape& channel = shape.channel[c];
-            const bool rotates = channel.type == ChannelType::orientation;
-            (rotates ? rotations : axes) += rotates ? 1 : channel.axes;
-            good = Kinds::has(channel.kind);
-            for (std::size_t i = 0; i < channel.steps() && good; ++i) {
-                const Step_ step = channel.step[i];
-                good = curve::Scale::valid(step.mantissa, step.exponent);
-                if (rotates)
-                    good =
-                        good && curve::rotation_step_valid(step_of({step.mantissa, step.exponent}));
-            }
-        }
-        return good && axes <= Axes && rotations <= Rotations;
-    }
-    using Step_ = wire2::Step;
-
-    void lay_out(const StreamShape& shape) noexcept {
-        layout_ = {};
-        layout_.channels = shape.channels;
-        std::size_t axes = 0, rotations = 0;
-        for (std::size_t c = 0; c < shape.channels; ++c) {
-            const ChannelShape& channel = shape.channel[c];
-            const bool rotates = channel.type == ChannelType::orientation;
-            TrackRange& range = layout_.channel[c];
-            range = {rotates, static_cast<std::uint8_t>(rotates ? rotations : axes),
-                     rotates ? std::uint8_t{1} : channel.axes, channel.kind};
-            tolerance_[c] = channel.tolerance;
-            for (std::size_t i = 0; i < range.count; ++i) {
-                const curve::Scale scale{channel.step[i].mantissa, channel.step[i].exponent};
-                if (rotates) {
-                    if constexpr (Rotations > 0) layout_.turn[rotations++] = scale;
-                } else if constexpr (Axes > 0) {
-                    layout_.scale[axes++] = scale;
-                }
-            }
-        }
+    /// Can this decoder follow such a stream? Lays out its channels.
+    bool fits(const StreamShape& shape, Layout& layout) const noexcept {
+        bool good = layout.take(shape) && (Parts::independent || !shape.timing.independent);
+        for (std::size_t c = 0; c < layout.channels; ++c)
+            good = good && Kinds::has(layout.channel[c].kind);
+        return good;
     }
 
-    /// Parses the frame as a whole. @return false: nonsense; the states are then of no use.
-    bool parse(const Frame& frame, std::int64_t before, bool joins, States& states,
-               FrameHead& head) const noexcept {
-        code::RangeDecoder io{frame.payload(), frame.payload_size()};
-        Reader reader;
-        if (!open(io, reader, before, joins, states, head)) return false;
-        if (joins && !lone()) {
-            reader.join(layout_, states);
-            return true;
-        }
-        curve::Piece<3> piece;
-        while (!reader.done(layout_)) {
-            if (!reader.piece(io, layout_, states, piece.code, piece.subs, piece.k.data()))
-                return false;
-        }
-        reader.close(layout_, states);
-        return io.finished();
-    }
-    bool open(code::RangeDecoder& io, Reader& reader, std::int64_t before, bool joins,
-              States& states, FrameHead& head) const noexcept {
-        if (joins) states = {};
+    /// Opens a frame, from the states before it: its pieces can be told. @return false: nonsense.
+    bool open(const Frame& frame, std::int64_t before, bool joins, const States& from) noexcept {
+        if (joins)
+            walk_ = {};
+        else
+            walk_ = from;
+        content_ = {};
+        io_ = {frame.payload(), frame.payload_size()};
         const Reading reading = !joins   ? Reading::in_step
                                 : lone() ? Reading::lone
                                          : Reading::joining;
-        return code_head(io, head, timing_, before, joins) &&
-               reader.open(io, layout_, states, head, timing_.independent, reading);
+        Places<Axes, Rotations> first;
+        return code_head(io_, head_, frames_.timing(), before, joins) &&
+               content_.open(io_, layout_, walk_, head_, frames_.timing().independent, reading,
+                             first);
     }
-
+    /// Goes to the end of the frame, without a change of what will be told. @return false:
+    /// nonsense.
+    bool run(bool joins, States& states) const noexcept {
+        if (joins && !lone()) {  // nothing can be drawn before the next frame
+            content_.join(layout_, states);
+            return true;
+        }
+        Reader reader = content_;
+        code::RangeDecoder io = io_;
+        curve::Piece<3> piece;
+        states = walk_;
+        while (!reader.done(layout_))
+            if (!reader.piece(io, layout_, states, piece.code, piece.subs, piece.k.data()))
+                return false;
+        reader.close(layout_, states);
+        return io.finished();
+    }
     bool take_frame(const Frame& frame) noexcept {
         const bool joins = frames_.joining();
-        walk_ = states_;
-        FrameHead head;
-        if (!parse(frame, frame.before, joins, walk_, head)) {
+        States end;
+        if (!open(frame, frame.before, joins, states_) || !run(joins, end)) {
             ++counters_.nonsense;
             return false;
         }
-        std::swap(walk_, states_);  // what follows is told again, from the states before
-        head_ = head;
+        states_ = end;
         point_ = 0;
-        content_ = {};
-        io_ = {frame.payload(), frame.payload_size()};
         if (joins) pending_ = 0xffff;
-        if (joins && !lone()) return true;  // nothing to draw before the next frame
-        open(io_, content_, frame.before, joins, walk_, head);
+        if (joins && !lone()) return true;
         begin_curves();
         step_ = Step::points;
         return true;
     }
     /// Do the frames of the chain make sense one after another?
-    bool agrees() const noexcept {
+    bool agrees() noexcept {
         States states = states_;
         std::int64_t before = frames_.chain_base();
         for (std::size_t i = 0; i < frames_.chain_size(); ++i) {
-            FrameHead head;
-            if (!parse(frames_.chain_frame(i), before, i == 0 && frames_.chain_joins(), states,
-                       head))
+            const bool joins = i == 0 && frames_.chain_joins();
+            if (!open(frames_.chain_frame(i), before, joins, states) || !run(joins, states))
                 return false;
-            before = head.end;
+            before = head_.end;
         }
         return true;
     }
-
-    bool lone() const noexcept { return Parts::independent && timing_.independent; }
+    bool lone() const noexcept { return Parts::independent && frames_.timing().independent; }
 
     // ---- telling a frame again, piece by piece
 
@@ -456,10 +421,8 @@ class Decoder {
     Reader content_{};
     code::RangeDecoder io_{};
     FrameHead head_{};
-    FrameTiming timing_{};
     curve::Grid grid_{};
     Counters counters_{};
-    std::array<std::uint16_t, Layout::channels_most> tolerance_{};
     std::uint32_t run_index_{0};
     std::uint16_t stream_id_{0}, run_{0};
     std::uint16_t pending_{0};  // tracks whose next piece begins a curve, as far as it was told

@@ -227,41 +227,28 @@ class Encoder {
         s.timing.independent = params_.restart_interval_ns == every_frame_ns;
         s.timing.usual_ticks = static_cast<std::uint8_t>(params_.delay_records - spare_);
         s.channels = channel_count;
-        Tracks<axes, rotations> layout;
-        layout.channels = channel_count;
-        lay_out(layout, s, std::index_sequence_for<Channels...>{});
+        describe(s, std::index_sequence_for<Channels...>{});
         header_.starts = true;
         header_ns_ = restart_ns_ = t_ns;
         put_header();
-        writer_.begin_run(layout, s.timing, header_.digest, 0);
+        writer_.begin_run(s, header_.digest, 0);
         header_.starts = false;
         events_.repeat();
     }
     template <std::size_t... Index>
-    void lay_out(Tracks<axes, rotations>& layout, StreamShape& shape,
-                 std::index_sequence<Index...>) noexcept {
-        std::uint8_t axis = 0, rotation = 0;
-        const auto one = [&](auto index, const auto& channel, bool rotates, std::uint8_t count) {
+    void describe(StreamShape& shape, std::index_sequence<Index...>) noexcept {
+        const auto one = [&](auto index, bool rotates, std::size_t count) {
             constexpr std::size_t i = decltype(index)::value;
             ChannelShape& c = shape.channel[i];
-            const curve::Scale scale = channel.scale();
+            const curve::Scale scale = reducer_.template channel<i>().scale();
             c.type = rotates ? ChannelType::orientation : ChannelType::vector;
             c.kind = Kind::id;
-            c.axes = rotates ? std::uint8_t{3} : count;
-            c.step.fill({scale.m, static_cast<std::int8_t>(scale.e)});
+            c.axes = static_cast<std::uint8_t>(rotates ? 3 : count);
+            c.step.fill(scale);
             const float ratio = params_.tolerance[i] / static_cast<float>(scale.step()) * 32768.0f;
             c.tolerance = static_cast<std::uint16_t>(ratio < 65534.0f ? ratio + 1.0f : 65535.0f);
-            layout.channel[i] = {rotates, rotates ? rotation : axis,
-                                 rotates ? std::uint8_t{1} : count, Kind::id};
-            if (rotates) {
-                if constexpr (rotations > 0) layout.turn[rotation++] = scale;
-            } else {
-                if constexpr (axes > 0)
-                    for (std::uint8_t k = 0; k < count; ++k) layout.scale[axis++] = scale;
-            }
         };
-        (one(std::integral_constant<std::size_t, Index>{}, reducer_.template channel<Index>(),
-             Channels::rotations > 0, static_cast<std::uint8_t>(Channels::axes)),
+        (one(std::integral_constant<std::size_t, Index>{}, Channels::rotations > 0, Channels::axes),
          ...);
     }
     /// Bits of a time that, with the tries of a reader, tell it within two header intervals.
@@ -326,7 +313,7 @@ class Encoder {
             frame.start_tick = static_cast<std::uint8_t>(s.start_tick);
             frame.end_tick = static_cast<std::uint8_t>(s.present && s.ends ? s.end_tick : ticks);
             if constexpr (Tag::rotations > 0) {
-                coder.first.grid[rotation] = s.start_grid;
+                writer_.first.grid[rotation] = s.start_grid;
                 coder.told.grid[rotation] = s.end_grid;
                 if (frame.starts) writer_.states.rotation[rotation] = s.start;
                 ++rotation;
@@ -347,7 +334,7 @@ class Encoder {
             const TrackRange& range = writer_.layout().channel[c];
             if (!range.rotates) continue;
             if (header_.shape.timing.independent && !coder.channel[c].starts)
-                coder.first.grid[range.first] = grids_[range.first];
+                writer_.first.grid[range.first] = grids_[range.first];
             grids_[range.first] = coder.told.grid[range.first];
         }
     }

@@ -234,14 +234,15 @@ class EventReader {
         walk_ = {};
         Walk walk;
         walk.io = {payload, size};
-        std::uint32_t next = 0;
-        if (!detail::code_event_head(walk.io, next, walk.left)) return false;
+        std::uint32_t next = 0, count = 0;
+        if (!detail::code_event_head(walk.io, next, count)) return false;
+        walk.left = static_cast<std::uint8_t>(count);
         const std::uint32_t ahead = (next - expected_) & event_number_mask;
         // numbers that go back are those of another run of the sender: all of it is new
         walk.stranger = !known_ || ahead > event_number_mask / 2;
-        walk.due = walk.stranger ? event_number_mask : ahead;
+        walk.due = static_cast<std::uint16_t>(walk.stranger ? event_number_mask : ahead);
         walk.next = next;
-        walk.trace = {walk.left, base_ns};
+        walk.trace = {count, base_ns};
         walk.hole = hole_ && !walk.stranger;
         const Walk start = walk;
         Event event;
@@ -267,8 +268,9 @@ class EventReader {
     struct Walk {
         code::RangeDecoder io{};
         detail::EventTrace trace{};
-        std::uint32_t left{0}, next{0};
-        std::uint32_t due{0};  // `back` of the event that would follow without a hole
+        std::uint32_t next{0};
+        std::uint16_t due{0};  // `back` of the event that would follow without a hole
+        std::uint8_t left{0};
         bool hole{false}, stranger{false}, any{false}, good{true};
 
         bool step(Event& event) noexcept {
@@ -283,7 +285,7 @@ class EventReader {
                 if (hole || (item.back < due && !first)) item.event.flags |= flag::gap_before;
                 hole = false;
                 any = true;
-                due = item.back - 1;
+                due = static_cast<std::uint16_t>(item.back - 1);
                 event = item.event;
                 return true;
             }

@@ -21,12 +21,11 @@ class FrameWriter {
     using Coder = Content<code::RangeEncoder, Axes, Rotations, Kinds>;
 
     /// A run begins: its first frame follows this header.
-    void begin_run(const Layout& layout, const FrameTiming& timing, std::uint32_t digest,
-                   std::int64_t end) noexcept {
-        layout_ = layout;
-        timing_ = timing;
+    void begin_run(const StreamShape& shape, std::uint32_t digest, std::int64_t end) noexcept {
+        static_cast<void>(layout_.take(shape));
+        timing_ = shape.timing;
         states = {};
-        link_ = {digest, end, 0};
+        link_ = {end, digest, 0};
     }
 
     /// What the frame to open says of the channels; the caller fills channel, told and
@@ -39,7 +38,8 @@ class FrameWriter {
         head_ = head;
         io_ = {bytes_.data() + 1, payload_max};
         return code_head(io_, head_, timing_, link_.end) &&
-               coder_.open(io_, layout_, states, head_, timing_.independent, Reading::in_step);
+               coder_.open(io_, layout_, states, head_, timing_.independent, Reading::in_step,
+                           first);
     }
     bool done() const noexcept { return coder_.done(layout_); }
     const typename Coder::Place& place() const noexcept { return coder_.place(); }
@@ -66,6 +66,7 @@ class FrameWriter {
     const FrameHead& head() const noexcept { return head_; }
 
     States states{};
+    Places<Axes, Rotations> first{};
 
   private:
     Layout layout_{};

@@ -16,36 +16,28 @@
 #include <cstdint>
 
 #include "fairlead/base/crc32.hpp"
+#include "fairlead/curve/scale.hpp"
 #include "fairlead/wire2/check.hpp"
 
 namespace fairlead::wire2 {
 
 inline constexpr std::size_t channels_max = 4, axes_max = 8;
 
-/// A step of the lattice: mantissa * 2^exponent, in the channel's unit; mantissa 256 to 511.
-struct Step {
-    std::uint16_t mantissa{0};
-    std::int8_t exponent{0};
-};
-constexpr bool operator==(const Step& a, const Step& b) noexcept {
-    return a.mantissa == b.mantissa && a.exponent == b.exponent;
-}
-
 enum class ChannelType : std::uint8_t { none = 0, vector = 1, orientation = 2 };
 
 /// One channel of a stream.
 struct ChannelShape {
     ChannelType type{ChannelType::none};
-    std::uint8_t kind{0};               // of its pieces: 1 C1 quadratic, 2 C1 quadratic with lines
-    std::uint8_t axes{0};               // 3 for an orientation
-    std::uint16_t tolerance{0};         // over the step, in 1/32768, rounded up
-    std::array<Step, axes_max> step{};  // vectors: a step for each axis; orientation: the first
+    std::uint8_t kind{0};        // of its pieces: 1 C1 quadratic, 2 C1 quadratic with lines
+    std::uint8_t axes{0};        // 3 for an orientation
+    std::uint16_t tolerance{0};  // over the step, in 1/32768, rounded up
+    std::array<curve::Scale, axes_max> step{};  // of each axis; orientation: all three alike
 
-    constexpr std::size_t steps() const noexcept {
-        if (type == ChannelType::orientation) return 1;
+    constexpr bool own_steps() const noexcept {
+        bool own = false;
         for (std::size_t i = 1; i < axes; ++i)
-            if (!(step[i] == step[0])) return axes;
-        return 1;
+            own = own || step[i].m != step[0].m || step[i].e != step[0].e;
+        return own;
     }
 };
 
@@ -130,7 +122,7 @@ struct ByteReader {
 
 template <class Io>
 constexpr void code_channel(Io& io, ChannelShape& c) noexcept {
-    const bool own = Io::writes && c.steps() > 1;
+    const bool own = Io::writes && c.own_steps();
     const std::uint32_t turns = c.type == ChannelType::orientation;
     const std::uint32_t form =
         io.number((c.axes - 1u) | (own ? 8u : 0u) | std::uint32_t{c.kind} << 4 | turns << 7, 1);
@@ -143,10 +135,9 @@ constexpr void code_channel(Io& io, ChannelShape& c) noexcept {
             c.step[i] = c.step[0];
             continue;
         }
-        c.step[i].mantissa =
-            static_cast<std::uint16_t>(256u + io.number(c.step[i].mantissa - 256u, 1));
-        c.step[i].exponent =
-            static_cast<std::int8_t>(io.number(static_cast<std::uint8_t>(c.step[i].exponent), 1));
+        c.step[i].m = static_cast<std::uint16_t>(256u + io.number(c.step[i].m - 256u, 1));
+        const std::uint32_t e = io.number(static_cast<std::uint8_t>(c.step[i].e), 1);
+        c.step[i].e = static_cast<std::int8_t>(e);
     }
 }
 

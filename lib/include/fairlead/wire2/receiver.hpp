@@ -43,7 +43,6 @@ class Receiver {
     struct Frame {
         const std::uint8_t* data{nullptr};
         std::size_t size{0};
-        FrameHead head{};
         std::int64_t before{0};  // what code_head() needs to read the head
         constexpr const std::uint8_t* payload() const noexcept { return data + 1; }
         constexpr std::size_t payload_size() const noexcept { return size - 1 - check_size; }
@@ -66,7 +65,7 @@ class Receiver {
     /// Goes on with the bytes that are there. Call with tries_per_byte after each add().
     Found find(std::size_t tries) noexcept {
         release();
-        if (queue_at_ < queue_.count) return next_of_queue();
+        if (queued_) return next_of_queue();
         while (tries > 0) {
             Found found{};
             if (in_step_) {
@@ -97,8 +96,8 @@ class Receiver {
             return;
         }
         if (in_step_ && !begins) lose_step();
-        chains_.fill({});
-        link_ = {digest, end, 0};
+        forget_chains();
+        link_ = {end, digest, 0};
         near_ = end;
         header_known_ = true;
         known_ = in_step_ = begins;
@@ -119,17 +118,17 @@ class Receiver {
     }
     /// The chain is believed: its frames come one after another by find().
     void accept() noexcept {
-        queue_ = chains_[found_];
+        const Chain found = chains_[found_];
+        forget_chains();
+        chains_[0] = found;
+        queued_ = true;
         queue_at_ = 0;
-        chains_.fill({});
-        counters_.joins += queue_.joins;
+        counters_.joins += found.joins;
         known_ = true;
     }
-    void refuse() noexcept { chains_[found_] = {}; }
+    void refuse() noexcept { chains_[found_].count = 0; }
     /// The frame that find() gave is nonsense though its check fits.
     void refuse_frame() noexcept {
-        queue_ = {};
-        queue_at_ = 0;
         held_ = 0;
         lose_step();
     }
@@ -140,16 +139,18 @@ class Receiver {
     bool trusted() const noexcept { return trust_ > 0; }
     const Counters& counters() const noexcept { return counters_; }
     std::uint32_t header_digest() const noexcept { return link_.header; }
+    const FrameTiming& timing() const noexcept { return timing_; }
 
   private:
     static constexpr std::uint16_t check_mask = static_cast<std::uint16_t>((1u << CheckBits) - 1u);
     static constexpr std::size_t smallest_frame = 1 + 1 + check_size;
-    static constexpr std::size_t capacity = 3 * data_frame_max + 18, room_made = 16;
+    static constexpr std::size_t room_made = 8, capacity = 3 * data_frame_max + room_made + 2;
 
     /// Frames of which each fits the one before, not yet believed.
     struct Chain {
         std::int64_t base{0};  // of a joining one: the end of its restart frame
-        Link link{};           // behind its latest frame
+        std::int64_t end{0};   // of its latest frame
+        std::uint32_t previous{0};
         std::array<std::uint16_t, 3> at{};
         std::uint16_t expect{0};  // where the next frame should start
         std::uint8_t count{0}, checks{0}, skips{0};
@@ -162,16 +163,21 @@ class Receiver {
     std::size_t size_at(std::size_t at) const noexcept {
         return frame_size(bytes_[at], at + 1 < size_ ? bytes_[at + 1] : 0);
     }
-    Frame frame_at(std::size_t at) const noexcept { return {&bytes_[at], size_at(at), {}, 0}; }
-    bool read_head(Frame& frame, std::int64_t before, bool joining) const noexcept {
+    Frame frame_at(std::size_t at) const noexcept { return {&bytes_[at], size_at(at), 0}; }
+    bool read_head(const Frame& frame, FrameHead& head, std::int64_t before,
+                   bool joining) const noexcept {
         code::RangeDecoder io{frame.payload(), frame.payload_size()};
-        frame.before = before;
-        return code_head(io, frame.head, timing_, before, joining);
+        return code_head(io, head, timing_, before, joining);
     }
 
-    static Link link_behind(const Frame& frame, const Link& before) noexcept {
-        return {before.header, frame.head.end,
-                digest_of(frame.data, frame.size, frame.head.restart, before)};
+    static Link link_behind(const Frame& frame, const FrameHead& head,
+                            const Link& before) noexcept {
+        return {head.end, before.header, digest_of(frame.data, frame.size, head.restart, before)};
+    }
+    Link link_of(const Chain& c) const noexcept { return {c.end, link_.header, c.previous}; }
+    static void set_link(Chain& c, const Link& link) noexcept {
+        c.end = link.end;
+        c.previous = link.previous;
     }
 
     // ---- in step
@@ -192,12 +198,13 @@ class Receiver {
         if (size > 0 && bytes_[front_] > payload_max) return follow_long(found, size);
         frame_ = frame_at(front_);
         const Link& link = held_ > 0 ? held_link_ : link_;
+        FrameHead head;
         if (size == 0 || !fits(seed_of(frame_.data, size), seed(link)) ||
-            !read_head(frame_, link.end, false)) {
+            !read_head(frame_, head, link.end, false)) {
             lose_step();
             return true;
         }
-        const Link after = link_behind(frame_, link);
+        const Link after = link_behind(frame_, head, link);
         const std::size_t at = front_;
         if (held_ > 0) {  // its check was the second one for the frame that waits
             found = deliver_held();
@@ -232,8 +239,10 @@ class Receiver {
     Found deliver(std::size_t at, const Link& after, bool joins = false) noexcept {
         frame_ = frame_at(at);
         joining_ = joins;
-        read_head(frame_, joins ? queue_.base : link_.end, joins);
-        believe(after);
+        frame_.before = joins ? chains_[0].base : link_.end;
+        FrameHead head;
+        read_head(frame_, head, frame_.before, joins);
+        believe(after, head);
         front_ = static_cast<std::uint16_t>(std::max<std::size_t>(front_, at + frame_.size));
         release_ = static_cast<std::uint16_t>(at + frame_.size);
         return Found::data;
@@ -242,8 +251,8 @@ class Receiver {
         held_ = 0;
         return deliver(held_at_, held_link_);
     }
-    void believe(const Link& after) noexcept {
-        const auto lasted = static_cast<std::uint64_t>(frame_.head.end - frame_.head.start);
+    void believe(const Link& after, const FrameHead& head) noexcept {
+        const auto lasted = static_cast<std::uint64_t>(head.end - head.start);
         if (trust_ < trust_max) trusted_ns_ += lasted * timing_.sub_ns;
         if (trusted_ns_ >= trust_ns) {
             trusted_ns_ = 0;
@@ -259,10 +268,10 @@ class Receiver {
         ++counters_.losses;
         if (trust_ > 0) --trust_;
         trusted_ns_ = 0;
-        chains_.fill({});
+        forget_chains();
         if (held_ > 0) {  // one check fits, the next may still come
             Chain& c = chains_[0];
-            c.link = held_link_;
+            set_link(c, held_link_);
             c.at[0] = held_at_;
             c.expect = front_;
             c.count = c.checks = 1;
@@ -284,7 +293,7 @@ class Receiver {
         for (std::size_t i = 0; i < crc_size; ++i)
             if (data[sealed + i] != static_cast<std::uint8_t>(crc >> (8 * i)))
                 return Found::nothing;
-        frame_ = {data, size, {}, 0};
+        frame_ = {data, size, 0};
         counters_.good_bytes += size;
         return header ? Found::header : Found::events;
     }
@@ -325,20 +334,21 @@ class Receiver {
 
     /// @return true: the frame completes a chain; found_ tells which.
     bool try_data(std::size_t p) noexcept {
-        Frame frame = frame_at(p);
+        const Frame frame = frame_at(p);
+        FrameHead head;
         const std::uint16_t s = seed_of(frame.data, frame.size);
         for (std::size_t i = 0; i < chains_.size(); ++i) {
             const Chain& c = chains_[i];
-            if (c.count == 0 || c.expect != p || !fits(s, seed(c.link))) continue;
-            if (!read_head(frame, c.link.end, false)) continue;
-            if (!append(chains_[i], p, frame)) continue;
-            found_ = i;
+            if (c.count == 0 || c.expect != p || !fits(s, seed(link_of(c)))) continue;
+            if (!read_head(frame, head, c.end, false)) continue;
+            if (!append(chains_[i], p, frame, head)) continue;
+            found_ = static_cast<std::uint8_t>(i);
             return true;
         }
-        if (known_ && fits(s, seed(link_)) && read_head(frame, link_.end, false)) {
+        if (known_ && fits(s, seed(link_)) && read_head(frame, head, link_.end, false)) {
             Chain& c = free_chain();
-            c.link = link_;
-            append(c, p, frame);
+            set_link(c, link_);
+            append(c, p, frame, head);
         }
         try_restarts(p, s);
         return false;
@@ -366,24 +376,29 @@ class Receiver {
         }
     }
     void try_restart(std::size_t r, std::size_t p, std::uint16_t s) noexcept {
-        Frame restart = frame_at(r), frame = frame_at(p);
-        if (!read_head(restart, near_, true)) return;
-        Link link = link_behind(restart, link_);
+        const Frame restart = frame_at(r), frame = frame_at(p);
+        FrameHead first, head;
+        if (!read_head(restart, first, near_, true)) return;
+        Link link = link_behind(restart, first, link_);
         const std::int64_t turn = sub_per_tick << timing_.time_bits;
         for (int i = 0; i < unwraps; ++i, link.end += turn)
-            if (fits(s, seed(link)) && read_head(frame, link.end, false))
-                return join(r, p, restart.head.start + (link.end - restart.head.end), link, frame);
+            if (fits(s, seed(link)) && read_head(frame, head, link.end, false))
+                return join(r, p, first.start + (link.end - first.end), link, frame, head);
     }
     void join(std::size_t r, std::size_t p, std::int64_t start, const Link& link,
-              const Frame& frame) noexcept {
+              const Frame& frame, const FrameHead& head) noexcept {
         // a second restart frame would leave the first one with a single check
-        if (frame.head.restart && !timing_.independent) return;
+        if (head.restart && !timing_.independent) return;
         Chain& c = free_chain();
         c.joins = true;
         c.base = timing_.independent ? start : link.end;
-        c.link = link;
+        set_link(c, link);
         c.at[c.count++] = static_cast<std::uint16_t>(r);
-        append(c, p, frame);
+        append(c, p, frame, head);
+    }
+    void forget_chains() noexcept {
+        for (Chain& c : chains_) c.count = 0;
+        queued_ = false;
     }
     Chain& free_chain() noexcept {
         Chain* best = &chains_[0];
@@ -393,10 +408,10 @@ class Receiver {
         return *best;
     }
     /// @return true: two checks fit.
-    bool append(Chain& c, std::size_t p, const Frame& frame) noexcept {
+    bool append(Chain& c, std::size_t p, const Frame& frame, const FrameHead& head) noexcept {
         c.at[c.count++] = static_cast<std::uint16_t>(p);
         ++c.checks;
-        c.link = link_behind(frame, c.link);
+        set_link(c, link_behind(frame, head, link_of(c)));
         c.expect = static_cast<std::uint16_t>(p + frame.size);
         c.skips = 0;
         return c.checks >= 2;
@@ -404,12 +419,15 @@ class Receiver {
 
     /// The next frame of a chain that was accepted; the last one may have to wait.
     Found next_of_queue() noexcept {
-        const bool joins = queue_at_ == 0 && queue_.joins;
-        const std::size_t at = queue_.at[queue_at_++];
+        const Chain& queue = chains_[0];
+        const bool joins = queue_at_ == 0 && queue.joins;
+        const std::size_t at = queue.at[queue_at_++];
         frame_ = frame_at(at);
-        read_head(frame_, joins ? queue_.base : link_.end, joins);
-        const Link after = link_behind(frame_, link_);
-        if (queue_at_ == queue_.count) {
+        FrameHead head;
+        read_head(frame_, head, joins ? queue.base : link_.end, joins);
+        const Link after = link_behind(frame_, head, link_);
+        if (queue_at_ == queue.count) {
+            queued_ = false;
             in_step_ = true;
             front_ = static_cast<std::uint16_t>(at + frame_.size);
             if (!trusted() && !ended_) {
@@ -435,14 +453,13 @@ class Receiver {
         };
         for (Chain& c : chains_) {
             if (c.count == 0) continue;
-            if (c.at[0] < n) {
-                c = {};
+            if (c.at[0] < n && !queued_) {
+                c.count = 0;
                 continue;
             }
             for (std::size_t i = 0; i < c.count; ++i) c.at[i] = less(c.at[i]);
             c.expect = less(c.expect);
         }
-        for (std::size_t i = queue_at_; i < queue_.count; ++i) queue_.at[i] = less(queue_.at[i]);
         held_at_ = less(held_at_);
         front_ = less(front_);
         scan_from_ = less(scan_from_);
@@ -454,18 +471,18 @@ class Receiver {
 
     std::array<std::uint8_t, capacity> bytes_{};
     std::array<Chain, 4> chains_{};
-    Chain queue_{};
     Frame frame_{};
     Link link_{}, held_link_{};
     std::int64_t near_{0};
     std::uint64_t trusted_ns_{0};
     Counters counters_{};
     FrameTiming timing_{};
-    std::size_t found_{0}, queue_at_{0};
+    std::uint8_t found_{0}, queue_at_{0};  // chains_[0] is the one that was accepted, if queued_
     std::uint16_t size_{0}, front_{0}, held_at_{0}, held_{0}, release_{0};
     std::uint16_t scan_from_{0}, scan_end_{smallest_frame};
     std::uint8_t trust_{trust_max};
     bool in_step_{false}, known_{false}, header_known_{false}, ended_{false}, joining_{false};
+    bool queued_{false};
 };
 
 }  // namespace fairlead::wire2
