@@ -21,9 +21,9 @@
 namespace fairlead::curve {
 
 /// Bounds that a valid stream keeps; step() refuses what leaves them.
-inline constexpr std::int32_t vertex_max = 1 << 30;  // |v|
-inline constexpr std::int32_t slope_max = 1 << 23;   // |s|
-inline constexpr std::int32_t rise_max = 32767;      // |v' - v| of a piece that is no jump
+inline constexpr std::int32_t vertex_max = 1 << 30;      // |v|
+inline constexpr std::int32_t slope_max = 1 << 23;       // |s|
+inline constexpr std::int32_t rise_max = 32767;          // |v' - v| of a piece that is no jump
 inline constexpr std::int32_t jump_max = (1 << 30) - 1;  // |v' - v| of a jump
 static_assert(std::int64_t{slope_max} * piece_ticks_max + slope_unit < INT32_MAX);
 static_assert(std::int64_t{vertex_max} + jump_max <= INT32_MAX);

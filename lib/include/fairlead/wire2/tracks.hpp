@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/code/model.hpp"
 #include "fairlead/code/range_coder.hpp"
 #include "fairlead/curve/rotation.hpp"
 #include "fairlead/curve/scale.hpp"
