@@ -72,7 +72,7 @@ endef
 # ---- archives: the simulator's parts, the rivals of the reducer, the Linux port, the gateway
 SISL            := host_sim/baselines/knots/sisl.cpp
 SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/baselines/%,$(call sources,host_sim/*.cpp host_sim/*/*.cpp)) \
-                   $(call sources,host_sim/baselines/filters/*.cpp)
+                   $(call sources,host_sim/baselines/filters/*.cpp host_sim/baselines/earlier/*.cpp)
 PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
 # recordings alone: what reads and writes files, for programs that are not the simulator
 RECORDING_SOURCES := $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp

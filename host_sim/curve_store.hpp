@@ -1,160 +1,152 @@
 #pragma once
 // The far end of the wire, on the host: takes the bytes of a stream in any portions, keeps every
-// piece of curve that the decoder tells of, and evaluates them at any time that is covered so far.
-// And every event.
-#include <algorithm>
+// piece of curve that the decoder tells, and evaluates the curves, in double, at any time that is
+// covered so far. And every event.
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "fairlead/reduce/evaluate.hpp"
-#include "fairlead/wire/decoder.hpp"
+#include "fairlead/base/types.hpp"
+#include "fairlead/curve/grid.hpp"
+#include "fairlead/wire2/decoder.hpp"
 
 namespace fairlead::sim {
 
-/// The pieces of one channel, in time.
-template <class Channel>
-class CurveList {
+/// Both curves at a time; the flags tell which of them there are.
+struct CurvePoint {
+    BasicVec3<double> p_m{};
+    BasicQuat<double> q{};
+    std::uint32_t flags{};
+
+    static CurvePoint of(const Pose& pose);
+    Pose rounded(std::int64_t t_ns) const;  // to float: half an ulp of the coordinate is lost
+};
+
+/// The pieces of one axis, or of one rotation, in time.
+class CurveTrack {
   public:
-    using Value = typename Channel::Value;
-
     struct Piece {
-        Curve<Channel> curve{};
-        typename Channel::Scale scale{};
-        std::uint32_t tick_ns{1};
-        bool begins{}, breaks{};
-        bool joins{};                 // goes on from the piece before it
-        std::uint32_t cover_ticks{};  // final before this, after its own knot
-        std::uint32_t next_ticks{};   // knot at which the next piece joins; 0: none yet
-        std::size_t multiplicity{};   // of its own knot, where it joins
+        wire2::CurvePiece of{};
+        std::int64_t start_ns{}, end_ns{};
+        double tick_ns{1};
 
-        std::int64_t t0_ns() const { return curve.span.t0_ns; }
-        /// The piece is final, and in charge, from its knot to before this time.
-        std::int64_t end_ns() const {
-            return t0_ns() + std::int64_t{std::max(cover_ticks, next_ticks)} * tick_ns;
+        /// From the piece's start.
+        double ticks(std::int64_t t_ns) const {
+            return static_cast<double>(t_ns - start_ns) / tick_ns;
         }
     };
 
-    void add(Piece piece) {
-        while (!pieces_.empty() && pieces_.back().t0_ns() >= piece.t0_ns()) {
-            piece.joins = false;  // a decoder that lost its step has come back to what it knew
-            pieces_.pop_back();
-        }
-        piece.joins = piece.joins && !pieces_.empty();
-        if (piece.joins) {
-            const std::int64_t apart_ns = piece.t0_ns() - pieces_.back().t0_ns();
-            pieces_.back().next_ticks = static_cast<std::uint32_t>(apart_ns / piece.tick_ns);
-            piece.multiplicity = multiplicity(pieces_.back(), piece);
-        }
-        pieces_.push_back(piece);
-    }
-    /// The piece does not go on from these, nor repeat one of the last, as a decoder does that lost
-    /// its step: the clock of the encoder has started anew.
-    bool starts_anew(const Piece& piece) const {
-        if (pieces_.empty() || piece.t0_ns() >= pieces_.back().t0_ns()) return false;
-        constexpr std::size_t repeated_most = 4;
-        const std::size_t n = std::min(repeated_most, pieces_.size());
-        return std::none_of(pieces_.rbegin(), pieces_.rbegin() + static_cast<std::ptrdiff_t>(n),
-                            [&](const Piece& p) { return p.t0_ns() == piece.t0_ns(); });
-    }
-
-    void cover(std::uint32_t ticks) {
-        if (pieces_.empty()) return;
-        pieces_.back().cover_ticks = ticks;
-    }
-
-    std::optional<Value> at(std::int64_t t_ns) const {
-        const auto later = [](std::int64_t t, const Piece& p) { return t < p.t0_ns(); };
-        const auto next = std::upper_bound(pieces_.begin(), pieces_.end(), t_ns, later);
-        if (next == pieces_.begin()) return {};
-        const Piece& piece = *(next - 1);
-        if (t_ns >= piece.end_ns()) return {};
-        return value_at(piece.curve, piece.scale, piece.tick_ns, t_ns);
-    }
-
+    void add(const wire2::CurvePiece& piece, const curve::Grid& grid);
+    /// The piece in charge at a time; null: there is no curve.
+    const Piece* at(std::int64_t t_ns) const;
     const std::vector<Piece>& pieces() const { return pieces_; }
-
-    /// Starts after a gap or at the beginning; a restart inside a motion is a knot.
-    std::size_t curves() const {
-        return count([](const Piece& p) { return p.begins && !p.breaks; });
-    }
-    std::size_t breaks() const {
-        return count([](const Piece& p) { return p.breaks; });
-    }
-    /// Interior knots with multiplicity: a break has that of the order.
-    std::size_t knots() const {
-        std::size_t sum = Channel::order * breaks();
-        for (const Piece& piece : pieces_) sum += piece.multiplicity;
-        return sum;
-    }
-    std::size_t control_points() const { return Channel::order * curves() + knots(); }
+    std::size_t curves() const;
+    std::size_t breaks() const;  // jumps within a curve
 
   private:
-    /// One, but where derivatives below the highest jump as well.
-    static std::size_t multiplicity(const Piece& before, const Piece& piece) {
-        const auto moved = carried(before.curve.span, before.next_ticks, before.tick_ns);
-        for (std::size_t m = 1; m + 1 < Channel::order; ++m)
-            if (moved.c[m] != piece.curve.span.c[m]) return Channel::order - m;
-        return 1;
-    }
-
-    template <class Predicate>
-    std::size_t count(Predicate predicate) const {
-        return static_cast<std::size_t>(std::count_if(pieces_.begin(), pieces_.end(), predicate));
-    }
-
     std::vector<Piece> pieces_;
 };
 
-/// The curves between two starts of the encoder's clock.
-struct CurveRun {
-    CurveList<Decoder::Position> position;
-    CurveList<Decoder::Orientation> orientation;
+/// A channel of a stream: a track for each axis of a vector, one for a rotation.
+struct CurveChannel {
+    bool rotates{false};
+    double tolerance{};  // of the encoder, as the header tells it: in the channel's unit, or rad
+    std::vector<CurveTrack> tracks;
 
-    /// Both curves at a time; the flags tell which of them there are.
+    bool empty() const;
+    bool covers(std::int64_t t_ns) const;
+    std::vector<double> value(std::int64_t t_ns) const;  // of a vector; covers(t_ns)
+    BasicQuat<double> rotation(std::int64_t t_ns) const;
+    std::size_t curves() const;  // each begins after a gap, or with the stream
+    std::size_t breaks() const;  // sum of the tracks
+    std::size_t pieces() const;  // sum of the tracks
+    /// Interior knots with multiplicity, three at a break, as a mean of the tracks: a knot counts
+    /// as one where all axes have it. Rounded up.
+    std::size_t knots() const;
+    std::size_t control_points() const { return order * curves() + knots(); }
+    std::int64_t begin_ns() const;  // INT64_MAX: no curve
+    std::int64_t end_ns() const;    // INT64_MIN: no curve
+
+    static constexpr std::size_t order = 3;  // of the pieces: quadratic
+};
+
+/// The curves of one run: between two leaps of the board's clock.
+struct CurveRun {
+    std::uint32_t index{1};  // of the stream, from 1
+    std::uint16_t number{};  // as the board counts them
+    std::int64_t tick_ns{};
+    std::vector<CurveChannel> channels;
+
+    const CurveChannel& position() const;     // the first vector of three axes; else an empty one
+    const CurveChannel& orientation() const;  // the first rotation; else an empty one
+    CurvePoint point_at(std::int64_t t_ns) const;
     Pose at(std::int64_t t_ns) const;
-    bool empty() const { return position.pieces().empty() && orientation.pieces().empty(); }
+    bool empty() const;
     std::int64_t begin_ns() const;
     std::int64_t end_ns() const;
 };
 
+/// Bytes of a stream, by the kind of their frame.
+struct StreamBytes {
+    std::size_t data{}, headers{}, events{};
+    std::size_t frames{};        // data frames
+    bool whole{true};            // false: a place begins no frame, or the last one is not complete
+    std::size_t counted{};       // up to where frames follow frames
+    std::optional<int> version;  // of the first header
+    bool earlier_format{false};  // it begins as streams before version 4 did
+};
+StreamBytes stream_bytes(std::string_view stream);
+
 class CurveStore {
   public:
-    using Positions = CurveList<Decoder::Position>;
-    using Orientations = CurveList<Decoder::Orientation>;
+    /// All that a stream may hold: more than the channels of any board.
+    using Decoder = wire2::Decoder<12, 4, wire2::KindSet<curve::Smooth>>;
 
     void push(std::string_view bytes);
     void finish();  // the input has ended
 
-    /// A log in which the board's clock has started anew holds several; at least one, the last is
-    /// the present one.
+    /// At least one; the last is the present one.
     const std::vector<CurveRun>& runs() const { return runs_; }
-    const Positions& position() const { return runs_.back().position; }
-    const Orientations& orientation() const { return runs_.back().orientation; }
+    /// The run with this index; null: it holds no curve.
+    const CurveRun* run(std::uint32_t index) const;
+    const CurveChannel& position() const { return runs_.back().position(); }
+    const CurveChannel& orientation() const { return runs_.back().orientation(); }
 
     /// Both curves at a time, of the last run that covers it.
     Pose at(std::int64_t t_ns) const;
+    /// Both curves of a run at a time.
+    CurvePoint point_at(std::uint32_t run_index, std::int64_t t_ns) const;
 
     /// The discrete events, in the order in which they were sent.
     const std::vector<Event>& events() const { return events_; }
-    const EventReader::Counters& event_counters() const { return decoder_.event_counters(); }
+    const wire2::EventReader::Counters& event_counters() const { return decoder_.event_counters(); }
     const Decoder::Counters& counters() const { return decoder_.counters(); }
+    const Decoder::Frames::Counters& frame_counters() const { return decoder_.frame_counters(); }
+    std::uint16_t stream_id() const { return decoder_.stream_id(); }
+    std::size_t bytes() const { return byte_count_; }
+    /// Bits of the payloads that the channel's pieces took, to a byte.
+    std::size_t piece_bytes(std::size_t channel) const;
     /// Nothing in the stream was understood.
-    bool empty() const { return counters().frames + event_counters().frames == 0; }
+    bool empty() const { return frame_counters().frames + event_counters().frames == 0; }
     /// Empty, or what is wrong with the stream and near which byte it was first noticed.
     std::string damage() const;
 
   private:
     void take_frame();
     void note_damage();
+    CurveRun& present_run();
+    std::string why_empty() const;
 
     Decoder decoder_{};
     std::vector<CurveRun> runs_{1};
     std::vector<Event> events_;
+    std::vector<std::size_t> piece_bytes_;
+    std::string head_;  // the first bytes: they tell the format
     std::size_t byte_count_{0};
     std::optional<std::size_t> damaged_at_;
+    bool finished_{false};
 };
 
 }  // namespace fairlead::sim

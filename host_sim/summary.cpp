@@ -24,6 +24,10 @@ std::string per_channel(const ChannelResult& channel, const std::string& value) 
     return channel.samples == 0 ? "-" : value;
 }
 
+double per_second(const Replay& replay) {
+    return replay.seconds > 0 ? static_cast<double>(replay.stream.size()) / replay.seconds : 0;
+}
+
 template <class Format>
 Row row(const Replay& replay, const char* name, Format format) {
     return {name, per_channel(replay.position, format(replay.position)),
@@ -82,6 +86,9 @@ std::vector<Row> summary_rows(const Replay& replay) {
     whole("records in", grouped(replay.records_in) + text(" in %.1f s", replay.seconds));
     whole("faults", faults_text(replay));
     if (replay.attitude) add_attitude_rows(rows, *replay.attitude);
+    whole("search", std::string{o.objective == Objective::knots ? "earlier search, few knots, "
+                                                                : "few bytes, "} +
+                        to_string(o.beam) + text(", delay at most %u records", o.delay_max));
     if (!o.filter.empty())
         whole("filter", o.filter + text(", %zu records of latency", replay.filter_delay));
     rows.push_back(row(replay, "samples", [](const auto& c) { return grouped(c.samples); }));
@@ -89,6 +96,7 @@ std::vector<Row> summary_rows(const Replay& replay) {
         row(replay, "control points", [](const auto& c) { return grouped(c.control_points); }));
     rows.push_back(row(replay, "curves, knots",
                        [](const auto& c) { return grouped(c.curves) + ", " + grouped(c.knots); }));
+    rows.push_back(row(replay, "breaks", [](const auto& c) { return grouped(c.breaks); }));
     both("tolerance", text("%.4g mm", o.tol_pos_m * 1e3), text("%.4g deg", o.tol_rot_rad * deg));
     both("largest error", text("%.4f mm", p.max_error * 1e3), text("%.4f deg", r.max_error * deg));
     rows.push_back(
@@ -111,27 +119,56 @@ std::vector<Row> summary_rows(const Replay& replay) {
                                                : static_cast<double>(replay.bytes_in) /
                                                      static_cast<double>(replay.stream.size());
     whole(text("bytes in, %zu a record", replay.bytes_per_record), grouped(replay.bytes_in));
-    whole("bytes out, in all", grouped(replay.stream.size()) + text(", %.1f times fewer", ratio));
+    whole("bytes out, in all", grouped(replay.stream.size()) + text(", %.1f times fewer", ratio) +
+                                   text(", %.1f a second", per_second(replay)));
+    whole("frames", grouped(replay.frames) + ", " +
+                        (o.restart_s > 0 ? grouped(replay.restarts) + " of them restart frames"
+                                         : std::string{"each decodes alone"}));
+    if (replay.runs > 1) whole("runs", grouped(replay.runs) + " of the clock");
+    if (replay.overflows > 0) whole("faults of the encoder", grouped(replay.overflows));
     return rows;
 }
 
 std::string summary_json(const Replay& replay) {
-    const auto channel = [](const char* name, const char* error, const ChannelResult& c) {
+    const ReplayOptions& o = replay.options;
+    const auto channel = [](const char* name, const char* error, double tolerance,
+                            const ChannelResult& c) {
         return text(", \"%s\": {\"control_points\": %zu, \"knots\": %zu, \"bytes\": %zu, ", name,
                     c.control_points, c.knots, c.bytes) +
-               text("\"%s\": %.9g, \"max_delay_samples\": %u, \"mean_delay_samples\": %.9g}", error,
-                    c.max_error, c.max_delay, c.mean_delay);
+               text("\"%s\": %.9g, \"max_delay_samples\": %u, \"mean_delay_samples\": %.9g, ",
+                    error, c.max_error, c.max_delay, c.mean_delay) +
+               text(
+                   "\"samples\": %zu, \"samples_outside\": %zu, \"pieces\": %zu, \"curves\": %zu, ",
+                   c.samples, c.violations, c.pieces, c.curves) +
+               text("\"breaks\": %zu, \"error_over_tolerance\": %.9g}", c.breaks,
+                    c.max_error / tolerance);
     };
     std::string json =
         text("{\"samples\": %zu, \"bytes\": %zu", replay.input.size(), replay.stream.size());
-    if (replay.options.position) json += channel("position", "max_error_m", replay.position);
-    if (replay.options.orientation)
-        json += channel("orientation", "max_error_rad", replay.orientation);
+    if (o.position) json += channel("position", "max_error_m", o.tol_pos_m, replay.position);
+    if (o.orientation)
+        json += channel("orientation", "max_error_rad", o.tol_rot_rad, replay.orientation);
     const EventResult& e = replay.events;
     if (e.offered > 0)
         json += text(", \"events\": {\"count\": %zu, \"refused\": %zu, \"bytes\": %zu}", e.offered,
                      e.refused, e.bytes);
-    return json + "}\n";
+    json +=
+        text(", \"objective\": \"%s\", \"kind\": \"%s\", \"beam\": \"%s\", \"delay\": %u",
+             to_string(o.objective), o.objective == Objective::knots ? "C2 cubic" : "C1 quadratic",
+             to_string(o.beam), o.delay_max);
+    json += text(", \"stream_id\": %u, \"restart_s\": %.9g, \"frames\": %zu, \"restarts\": %zu",
+                 o.stream_id, o.restart_s, replay.frames, replay.restarts);
+    json += text(", \"runs\": %zu, \"header_bytes\": %zu, \"bytes_per_s\": %.9g", replay.runs,
+                 replay.header_bytes, per_second(replay));
+    json += text(", \"records\": %zu, \"refused\": %zu, \"faults\": {", replay.records_in,
+                 replay.refused);
+    bool first = true;
+    for (const auto& [kind, count] : replay.faults) {
+        if (count == 0) continue;
+        json += text("%s\"%s\": %zu", first ? "" : ", ", kind.c_str(), count);
+        first = false;
+    }
+    return json + "}}\n";
 }
 
 std::string summary_table(const Replay& replay) {

@@ -15,7 +15,8 @@ struct Row {
 std::vector<Row> summary_rows(const Replay& replay);
 std::string summary_table(const Replay& replay);  // plain text
 
-/// {"samples":, "bytes":, "position": {...}, "orientation": {...}}, the channels that are reduced.
+/// One object: "samples", "bytes", "position" and "orientation" (the channels that are reduced),
+/// "events" (if there are any), then how the stream was made. docs/reducer.md names all fields.
 std::string summary_json(const Replay& replay);
 
 /// The sensors that the orientation is made of, in words.

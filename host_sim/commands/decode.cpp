@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "host_sim/baselines/earlier/curve_store.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/curve_store.hpp"
@@ -20,7 +21,7 @@ struct Options {
     std::string stream, at, out, events;
     ReadOptions reading;
     std::size_t run{0};  // from 1; 0: not said
-    bool salvage{false};
+    bool salvage{false}, earlier{false};
 };
 
 std::string span_text(std::int64_t from_ns, std::int64_t to_ns) {
@@ -30,7 +31,8 @@ std::string span_text(std::int64_t from_ns, std::int64_t to_ns) {
     return text;
 }
 
-std::size_t covered_by(const CurveRun& run, const Recording& times) {
+template <class Run>
+std::size_t covered_by(const Run& run, const Recording& times) {
     std::size_t n = 0;
     for (std::size_t i = 0; i < times.size(); ++i)
         if (run.at(times.t_ns(i)).flags != 0) ++n;
@@ -38,17 +40,17 @@ std::size_t covered_by(const CurveRun& run, const Recording& times) {
 }
 
 /// The run that the times are of. Several cover them: only the user knows.
-const CurveRun& chosen_run(const CurveStore& store, const Recording& times,
-                           const Options& options) {
+template <class Store>
+const auto& chosen_run(const Store& store, const Recording& times, const Options& options) {
     const auto& runs = store.runs();
     if (options.run > runs.size())
         throw BadSpec("--run " + std::to_string(options.run) + ": the stream holds " +
                       std::to_string(runs.size()));
     if (options.run > 0) return runs[options.run - 1];
     if (runs.size() == 1) return runs[0];
-    const CurveRun* chosen = &runs[0];
+    const auto* chosen = &runs[0];
     std::size_t covering = 0;
-    for (const CurveRun& run : runs)
+    for (const auto& run : runs)
         if (covered_by(run, times) > 0) chosen = &run, ++covering;
     if (covering > 1)
         throw BadData(options.stream + ": " + std::to_string(covering) +
@@ -57,8 +59,25 @@ const CurveRun& chosen_run(const CurveStore& store, const Recording& times,
     return *chosen;
 }
 
+CurvePoint point_of(const CurveRun& run, std::int64_t t_ns) { return run.point_at(t_ns); }
+CurvePoint point_of(const earlier::CurveRun& run, std::int64_t t_ns) {
+    return CurvePoint::of(run.at(t_ns));
+}
+
+/// In double: what the guarantee speaks of.
+std::string point_row(std::int64_t t_ns, const CurvePoint& point) {
+    char p[96] = ",,,", q[128] = ",,,,";
+    if ((point.flags & flag::position_valid) != 0)
+        std::snprintf(p, sizeof p, ",%.15g,%.15g,%.15g", point.p_m.x, point.p_m.y, point.p_m.z);
+    if ((point.flags & flag::orientation_valid) != 0)
+        std::snprintf(q, sizeof q, ",%.12g,%.12g,%.12g,%.12g", point.q.w, point.q.x, point.q.y,
+                      point.q.z);
+    return std::to_string(t_ns) + p + q + "\n";
+}
+
 /// Says where the stream does not cover the times; none at all is an error.
-void judge_cover(const CurveStore& store, const Recording& times, std::size_t covered,
+template <class Store>
+void judge_cover(const Store& store, const Recording& times, std::size_t covered,
                  const Options& options) {
     if (covered == times.size()) return;
     std::int64_t first = times.t_ns(0), last = times.t_ns(0);
@@ -69,7 +88,7 @@ void judge_cover(const CurveStore& store, const Recording& times, std::size_t co
     std::string text = std::to_string(times.size() - covered) + " of " +
                        std::to_string(times.size()) + " times have no curve: " + options.at +
                        " is " + span_text(first, last) + ", the stream";
-    for (const CurveRun& run : store.runs())
+    for (const auto& run : store.runs())
         text += run.empty() ? " holds no curve"
                             : (&run == &store.runs()[0] ? " " : ", ") +
                                   span_text(run.begin_ns(), run.end_ns());
@@ -77,25 +96,26 @@ void judge_cover(const CurveStore& store, const Recording& times, std::size_t co
     std::fprintf(stderr, "fairlead-sim: %s: %s\n", options.stream.c_str(), text.c_str());
 }
 
-void write_curve(const CurveStore& store, const Options& options) {
+template <class Store>
+void write_curve(const Store& store, const Options& options) {
     ReadOptions reading = options.reading;
     reading.salvage = options.salvage ? Salvage::yes : Salvage::no;
     const Recording times = read_recording(options.at, reading);
-    const CurveRun& run = chosen_run(store, times, options);
-    std::vector<Pose> poses;
+    const auto& run = chosen_run(store, times, options);
+    std::string csv = "t_ns,px,py,pz,qw,qx,qy,qz\n";
     std::size_t covered = 0;
     for (std::size_t i = 0; i < times.size(); ++i) {
-        poses.push_back(run.at(times.t_ns(i)));
-        if (poses.back().flags != 0) ++covered;
+        const CurvePoint point = point_of(run, times.t_ns(i));
+        csv += point_row(times.t_ns(i), point);
+        if (point.flags != 0) ++covered;
     }
-    write_bytes(options.out, to_poses_csv(poses));
+    write_bytes(options.out, csv);
     judge_cover(store, times, covered, options);
 }
 
-void run(const Options& options) {
-    if (options.out.empty() && options.events.empty())
-        throw BadSpec("decode needs --at and --out for the curve, or --events for the events");
-    CurveStore store;
+template <class Store>
+void decode(const Options& options) {
+    Store store;
     const std::string bytes = read_bytes(options.stream);
     Progress progress{"decode", bytes.size(), "bytes"};
     constexpr std::size_t portion = 4096;
@@ -112,6 +132,12 @@ void run(const Options& options) {
     if (!options.out.empty()) write_curve(store, options);
     // what could be decoded is written all the same: decoding went on at the next good frame
     if (!damage.empty() && !options.salvage) throw BadData(options.stream + ": " + damage);
+}
+
+void run(const Options& options) {
+    if (options.out.empty() && options.events.empty())
+        throw BadSpec("decode needs --at and --out for the curve, or --events for the events");
+    options.earlier ? decode<earlier::CurveStore>(options) : decode<CurveStore>(options);
 }
 
 }  // namespace
@@ -135,6 +161,8 @@ void add_decode(CLI::App& app) {
     command->add_option("--columns", options->reading.columns,
                         "Of a text file at --at: what its columns are");
     command->add_option("--units", options->reading.units, "Of a text file at --at: its units");
+    command->add_flag("--earlier", options->earlier,
+                      "The stream has the earlier format, as --objective knots writes it");
     command->add_flag("--salvage", options->salvage,
                       "A damaged stream is no error: what is good of it is decoded");
     command->callback([options] { run(*options); });

@@ -79,13 +79,26 @@ void print_sensors(const Recording& recording) {
     if (!recording.events.empty()) std::printf("events           %zu\n", recording.events.size());
 }
 
-template <class List>
-void print_curves(const char* name, const List& list) {
-    if (list.pieces().empty()) return;
-    std::printf("%-16s %zu curves, %zu knots, %zu control points, from %.3f s to %.3f s\n", name,
-                list.curves(), list.knots(), list.control_points(),
-                static_cast<double>(list.pieces().front().t0_ns()) * 1e-9,
-                static_cast<double>(list.pieces().back().end_ns()) * 1e-9);
+void print_channel(std::size_t number, const CurveChannel& channel) {
+    char name[48];
+    std::snprintf(name, sizeof name, "channel %zu, %s", number,
+                  channel.rotates ? "rotation" : "vector");
+    std::printf("%-20s %zu ax%s, tolerance %.4g%s", name,
+                channel.rotates ? 3 : channel.tracks.size(),
+                !channel.rotates && channel.tracks.size() == 1 ? "is" : "es", channel.tolerance,
+                channel.rotates ? " rad" : "");
+    if (channel.empty()) return void(std::printf("; no curve\n"));
+    std::printf("\n%20s %zu curves, %zu pieces, %zu breaks, from %.3f s to %.3f s\n", "",
+                channel.curves(), channel.pieces(), channel.breaks(),
+                static_cast<double>(channel.begin_ns()) * 1e-9,
+                static_cast<double>(channel.end_ns()) * 1e-9);
+}
+
+void print_run(const CurveRun& run, bool several) {
+    if (run.channels.empty()) return;
+    if (several) std::printf("run %-16u number %u as the board counts\n", run.index, run.number);
+    std::printf("tick                 %.6g ms\n", static_cast<double>(run.tick_ns) * 1e-6);
+    for (std::size_t c = 0; c < run.channels.size(); ++c) print_channel(c, run.channels[c]);
 }
 
 void print_events(const CurveStore& store) {
@@ -93,8 +106,9 @@ void print_events(const CurveStore& store) {
     if (counters.frames == 0) return;
     std::set<std::uint16_t> channels;
     for (const Event& event : store.events()) channels.insert(event.channel);
-    std::printf("events           %u on %zu channel%s, in %u frames; %u missing\n", counters.events,
-                channels.size(), channels.size() == 1 ? "" : "s", counters.frames, counters.lost);
+    std::printf("events               %u on %zu channel%s, in %u frames; %u missing\n",
+                counters.events, channels.size(), channels.size() == 1 ? "" : "s", counters.frames,
+                counters.lost);
 }
 
 void print_stream(const InputOptions& input) {
@@ -105,19 +119,20 @@ void print_stream(const InputOptions& input) {
     const std::string damage = store.damage();
     if (!damage.empty() && (!input.salvage || store.empty()))
         throw BadData(input.path + ": " + damage);
-    std::printf("format           reduced stream\n");
-    std::printf("bytes            %zu\n", bytes.size());
-    std::printf("frames           %u, %u of them restart frames\n", store.counters().frames,
-                store.counters().restarts);
+    const StreamBytes by_kind = stream_bytes(bytes);
+    std::printf("format               reduced stream, version %d\n", by_kind.version.value_or(0));
+    std::printf("stream id            %u\n", store.stream_id());
+    std::printf("bytes                %zu", bytes.size());
+    if (by_kind.whole)
+        std::printf(": %zu of data, %zu of headers, %zu of events", by_kind.data, by_kind.headers,
+                    by_kind.events);
+    std::printf("\nframes               %u\n", store.frame_counters().frames);
     if (store.runs().size() > 1)
-        std::printf("runs             %zu: the clock of the board has started anew\n",
+        std::printf("runs                 %zu: the clock of the board has started anew\n",
                     store.runs().size());
-    for (const CurveRun& run : store.runs()) {
-        print_curves("position", run.position);
-        print_curves("orientation", run.orientation);
-    }
+    for (const CurveRun& run : store.runs()) print_run(run, store.runs().size() > 1);
     print_events(store);
-    if (!damage.empty()) std::printf("damage           %s\n", damage.c_str());
+    if (!damage.empty()) std::printf("damage               %s\n", damage.c_str());
 }
 
 bool is_stream(const std::string& path) {

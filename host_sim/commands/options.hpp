@@ -117,6 +117,53 @@ struct InputOptions {
     }
 };
 
+/// --beam, --objective, --continuity: how the search works and what it keeps small.
+inline void add_search(CLI::App& command, ReplayOptions& options) {
+    const auto beam = [&options](const std::string& width) {
+        options.beam = width == "narrow" || width == "small" ? Beam::narrow
+                       : width == "wide" || width == "large" ? Beam::wide
+                                                             : Beam::medium;
+    };
+    auto* width =
+        command
+            .add_option_function<std::string>(
+                "--beam", beam,
+                "Width of the search: more work finds fewer bytes, never another guarantee")
+            ->check(CLI::IsMember({"narrow", "medium", "wide"}))
+            ->default_str("medium");
+    command
+        .add_option_function<std::string>("--slice", beam,
+                                          "Earlier name of --beam: small, medium or large")
+        ->check(CLI::IsMember({"small", "medium", "large"}))
+        ->excludes(width);
+    command
+        .add_option_function<std::string>(
+            "--objective",
+            [&options](const std::string& name) {
+                options.objective = name == "knots" ? Objective::knots : Objective::bytes;
+            },
+            "What is kept small. knots: few control points by the earlier search; its stream is of "
+            "an earlier format (decode --earlier)")
+        ->check(CLI::IsMember({"bytes", "knots"}))
+        ->default_str("bytes");
+    command
+        .add_option(
+            "--continuity", options.continuity,
+            "1: the velocity is continuous; 2: the acceleration too, with --objective knots "
+            "alone; 0: corners are allowed, and a smooth curve is one too")
+        ->check(CLI::Range(0, 2));
+}
+
+/// What --objective and --continuity mean together.
+inline void check_search(const ReplayOptions& options) {
+    if (options.continuity == 2 && options.objective == Objective::bytes)
+        throw BadSpec(
+            "--continuity 2 needs --objective knots: curves of few bytes have a "
+            "continuous velocity, not a continuous acceleration");
+    if (options.objective == Objective::knots && !(options.restart_s > 0))
+        throw BadSpec("--independent and --restart 0 need --objective bytes");
+}
+
 /// What the reducer and its frames are given. Without defaults the tolerances start at 0: not
 /// given.
 inline void add_reduction(CLI::App& command, ReplayOptions& options, bool must_be_given) {
@@ -132,31 +179,22 @@ inline void add_reduction(CLI::App& command, ReplayOptions& options, bool must_b
         position->capture_default_str();
         rotation->capture_default_str();
     }
+    add_search(command, options);
     command
-        .add_option("--max-delay", options.delay_max,
+        .add_option("--max-delay,--delay", options.delay_max,
                     "Most records from a sample to the bytes that cover it")
-        ->check(CLI::Range(2u, delay_most))
-        ->capture_default_str();
-    command
-        .add_option_function<std::string>(
-            "--slice",
-            [&options](const std::string& size) {
-                options.slice = size == "small"   ? slice_small
-                                : size == "large" ? slice_large
-                                                  : slice_medium;
-            },
-            "Work per record: more finds fewer knots, never another guarantee")
-        ->check(CLI::IsMember({"small", "medium", "large"}))
-        ->default_str("medium");
-    command
-        .add_option("--open", options.goal,
-                    "Records that a frame leaves open where it can; 0: a third of --max-delay")
-        ->check(CLI::Range(0u, delay_most))
+        ->check(CLI::Range(delay_least, delay_most))
         ->capture_default_str();
     command
         .add_option("--restart", options.restart_s,
-                    "Seconds between the points at which a reader can join")
-        ->check(in_range(0.01, 1e6))
+                    "Seconds between the points at which a reader can join; 0: as --independent")
+        ->check(in_range(0, 1e6))
+        ->capture_default_str();
+    command.add_flag_callback(
+        "--independent", [&options] { options.restart_s = 0; },
+        "Each frame can be decoded alone: a lost frame costs its own time only");
+    command.add_option("--stream-id", options.stream_id, "Tells streams on one line apart")
+        ->check(CLI::Range(0u, 65535u))
         ->capture_default_str();
 }
 
@@ -181,6 +219,9 @@ inline void check_guarantee(const Replay& result) {
             throw BadData(result.name + ": " + std::to_string(channel->violations) +
                           " samples outside tolerance, " + std::to_string(channel->changed) +
                           " changed after they were covered");
+    if (result.overflows > 0)
+        throw BadData(result.name + ": " + std::to_string(result.overflows) +
+                      " frames did not fit, or failed their check");
     if (result.events.wrong > 0 || result.events.late > 0)
         throw BadData(result.name + ": " + std::to_string(result.events.wrong) +
                       " events are wrong or missing, " + std::to_string(result.events.late) +

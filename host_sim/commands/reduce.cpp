@@ -4,7 +4,6 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
-#include "host_sim/refused.hpp"
 #include "host_sim/replay.hpp"
 #include "host_sim/summary.hpp"
 
@@ -30,6 +29,7 @@ void run(Options& options) {
     ReplayOptions& o = options.replay;
     o.position = options.channel != "orientation";
     o.orientation = options.channel != "position";
+    check_search(o);
     const Recording recording = options.input.read();
     const bool imu = !recording.samples.empty();
     if (imu && !o.orientation) throw BadSpec("an IMU gives orientations, no positions");
@@ -40,7 +40,7 @@ void run(Options& options) {
     if (!options.trace.empty()) write_bytes(options.trace, trace_csv(recording, result));
     std::fputs((options.json ? summary_json(result) : summary_table(result)).c_str(), stdout);
     check_guarantee(result);
-    options.input.judge_refused(refused_records(recording), recording.size());
+    options.input.judge_refused(result.refused, recording.size());
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include "host_sim/commands/options.hpp"
 #include "host_sim/filter_chain.hpp"
 #include "host_sim/recording/writers.hpp"
-#include "host_sim/refused.hpp"
 #include "host_sim/report/report.hpp"
 #include "host_sim/summary.hpp"
 
@@ -35,12 +34,13 @@ void write_results(const Replay& result, const std::string& folder) {
 }
 
 void run(const Options& options) {
+    check_search(options.replay);
     const Recording recording = options.input.read();
     const Replay result = replay(recording, options.replay);
     std::fputs(summary_table(result).c_str(), stdout);
     if (!options.out.empty()) write_results(result, options.out);
     check_guarantee(result);
-    options.input.judge_refused(refused_records(recording), recording.size());
+    options.input.judge_refused(result.refused, recording.size());
 }
 
 }  // namespace

@@ -1,18 +1,34 @@
 // Everything between a raw pose and a decoded curve, for a look at what the linker would be asked.
-#include "fairlead/pipeline.hpp"
-#include "fairlead/wire/decoder.hpp"
+#include "fairlead/pipeline2.hpp"
+#include "fairlead/wire2/decoder.hpp"
 
 using namespace fairlead;
 
-struct Config : PipelineConfig {
+struct Board {
+    using Input = Pose;
+    using Channels = fairlead::Channels<Position, Orientation>;
     using Filter = PoseFilter<9>;
+    static constexpr std::size_t delay_records_max = 120;
+    static constexpr Beam beam = Beam::medium;
+    static constexpr std::size_t events_max = 6;
 };
+using Pipe = Pipeline2<Board>;
+using Reader = wire2::Decoder<>;
 
-Bytes push(Pipeline<Config>& pipeline, const Pose& pose) { return pipeline.push(pose); }
-Bytes flush(Pipeline<Config>& pipeline) { return pipeline.flush(); }
-bool push_event(Pipeline<Config>& pipeline, const Event& e) { return pipeline.push_event(e); }
-Bytes idle(Pipeline<Config>& pipeline) { return pipeline.idle(); }
-Pipeline<Config> make() { return Pipeline<Config>{{{}, Config::Filter{binomial_mask<9>()}, {}}}; }
-bool push(Decoder& decoder, std::uint8_t byte) { return decoder.push(byte); }
-bool next(Decoder& decoder, Decoder::Update& update) { return decoder.next(update); }
-bool next_event(Decoder& decoder, Event& event) { return decoder.next_event(event); }
+Bytes push(Pipe& pipeline, const Pose& pose) { return pipeline.push(pose); }
+Bytes flush(Pipe& pipeline) { return pipeline.flush(); }
+bool push_event(Pipe& pipeline, const Event& e) { return pipeline.push_event(e); }
+Bytes idle(Pipe& pipeline) { return pipeline.idle(); }
+void reset(Pipe& pipeline) { pipeline.reset(); }
+Pipe make() {
+    Pipe::Params params;
+    params.filter = Board::Filter{binomial_mask<9>()};
+    return Pipe{params};
+}
+bool push(Reader& decoder, std::uint8_t byte) { return decoder.push(byte); }
+bool finish(Reader& decoder) { return decoder.finish(); }
+bool next(Reader& decoder, wire2::CurvePiece& piece) { return decoder.next(piece); }
+bool next_event(Reader& decoder, Event& event) { return decoder.next_event(event); }
+Quat rotation(const wire2::CurvePiece& piece, float ticks) {
+    return wire2::rotation_at(piece, ticks);
+}

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "fairlead/pipeline.hpp"
+#include "fairlead/pipeline2.hpp"
 #include "host_sim/generate.hpp"
 #include "host_sim/recording/recording.hpp"
 
@@ -10,25 +10,28 @@ using namespace fairlead;
 
 namespace {
 
-struct Config : PipelineConfig {
+struct Board {
+    using Input = Pose;
+    using Channels = fairlead::Channels<Position, Orientation>;
     using Filter = PoseFilter<9>;
-    static constexpr std::size_t window = 120;
+    static constexpr std::size_t delay_records_max = 120;
+    static constexpr Beam beam = Beam::medium;
+    static constexpr std::size_t events_max = 0;
 };
 
 std::uint64_t hash_of(const sim::Recording& recording, float tol_m, float tol_rad) {
-    EncoderParams encoder;
-    encoder.tol_position_m = {tol_m, tol_m, tol_m};
-    encoder.tol_orientation_rad = tol_rad;
-    encoder.delay_max = 120;
-    const auto pipeline = std::make_unique<Pipeline<Config>>(
-        Pipeline<Config>::Params{{}, Config::Filter{binomial_mask<9>()}, encoder});
+    Pipeline2<Board>::Params params;
+    params.filter = Board::Filter{binomial_mask<9>()};
+    params.tolerance.position_m = PerAxis<3>{tol_m};
+    params.tolerance.orientation_rad = tol_rad;
+    const auto pipeline = std::make_unique<Pipeline2<Board>>(params);
     std::uint64_t hash = 14695981039346656037u;  // FNV-1a
     const auto take = [&](const Bytes& bytes) {
         for (std::size_t i = 0; i < bytes.size; ++i) hash = (hash ^ bytes.data[i]) * 1099511628211u;
-        return !bytes.empty();
+        return bytes.status;
     };
     for (const Pose& pose : recording.poses) take(pipeline->push(pose));
-    while (take(pipeline->flush())) {
+    while (take(pipeline->flush()) != Status::end) {
     }
     return hash;
 }

@@ -39,11 +39,6 @@ def read_trk(path):
     return records
 
 
-def float32(text):
-    """Nine digits name a float32 exactly: the value itself, not its decimal neighbour."""
-    return struct.unpack("f", struct.pack("f", float(text)))[0]
-
-
 def read_csv(path):
     """Rows of a pose CSV: (t_ns, position or None, quaternion or None) and the fields as text."""
     with open(path, newline="", encoding="ascii") as file:
@@ -52,8 +47,8 @@ def read_csv(path):
     records = []
     for row in rows[1:]:
         assert len(row) == 8, row
-        p = [float32(x) for x in row[1:4]] if row[1] else None
-        q = [float32(x) for x in row[4:8]] if row[4] else None
+        p = [float(x) for x in row[1:4]] if row[1] else None
+        q = [float(x) for x in row[4:8]] if row[4] else None
         records.append((int(row[0]), p, q, row))
     return records
 

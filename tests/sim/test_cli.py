@@ -2,6 +2,7 @@
 """The command line of fairlead-sim is a contract: names, columns, keys, exit codes."""
 import json
 import math
+import zlib
 
 from simulator import axis_distance, main, must, read_csv, read_trk, rotation_angle, run
 
@@ -35,8 +36,8 @@ def test_usage_errors_exit_2(folder):
         [], ["nonsense"], ["replay"], ["replay", folder / "missing.trk"],
         ["replay", trk, "--filter", "binomial:4"], ["replay", trk, "--filter", ""][:2] + ["--bad"],
         ["replay", trk, "--max-delay", "0"], ["replay", trk, "--max-delay", "100000"],
-        ["replay", trk, "--tol-pos", "-1"], ["replay", trk, "--restart", "0"],
-        ["replay", trk, "--open", "9999"], ["replay", trk, "--tol-rot", "nan"],
+        ["replay", trk, "--tol-pos", "-1"], ["replay", trk, "--restart", "-1"],
+        ["replay", trk, "--stream-id", "65536"], ["replay", trk, "--tol-rot", "nan"],
         ["reduce", trk, "--out", out], ["reduce", trk, "--tol-pos", "1e-3", "--out", out],
         ["reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "1e-2"],
         ["reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "1e-2", "--channel", "left", "--out", out],
@@ -91,7 +92,7 @@ def test_decode_at_times_that_the_stream_does_not_cover(folder):
     expect(0, "decode", stream, "--at", late, "--out", out, says=f"of {len(half)} times have no curve")
     data = stream.read_bytes()
     stream.write_bytes(data + data)  # the same board, started anew: two runs at the same times
-    expect(0, "info", stream, says="runs             2")
+    expect(0, "info", stream, says="runs                 2")
     expect(1, "decode", stream, "--at", trk, "--out", out, says="--run 1 to 2")
     expect(0, "decode", stream, "--at", trk, "--run", 1, "--out", out)
     first = out.read_text()
@@ -134,10 +135,16 @@ def test_reduce_json_trace_and_decode(folder):
     stream, trace, decoded = folder / "s.flr", folder / "t.csv", folder / "d.csv"
     summary = json.loads(must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436",
                               "--max-delay", 60, "--out", stream, "--json", "--trace", trace))
-    assert list(summary) == ["samples", "bytes", "position", "orientation"]
+    assert list(summary)[:4] == ["samples", "bytes", "position", "orientation"]
+    said = {key: summary[key] for key in ("objective", "kind", "beam", "delay", "stream_id", "runs", "refused", "faults")}
+    assert said == {"objective": "bytes", "kind": "C1 quadratic", "beam": "medium", "delay": 60, "stream_id": 0,
+                    "runs": 1, "refused": 0, "faults": {"gap": 2}}, said
+    assert summary["bytes_per_s"] * (records[-1][0] - records[0][0]) * 1e-9 - summary["bytes"] < 1
     for channel, error in (("position", "max_error_m"), ("orientation", "max_error_rad")):
-        assert list(summary[channel]) == ["control_points", "knots", "bytes", error,
-                                          "max_delay_samples", "mean_delay_samples"]
+        assert list(summary[channel])[:6] == ["control_points", "knots", "bytes", error,
+                                              "max_delay_samples", "mean_delay_samples"]
+        assert summary[channel]["samples_outside"] == summary[channel]["breaks"] == 0
+        assert 0.5 < summary[channel]["error_over_tolerance"] <= 1
         assert summary[channel]["max_delay_samples"] <= 60
         assert 0 < summary[channel]["control_points"] < len(records) / 4
     assert summary["samples"] == len(records)
@@ -174,18 +181,59 @@ def test_reduce_of_one_channel(folder):
     must("reduce", trk, "--tol-pos", "1e-3", "--channel", "position", "--out", folder / "s.flr")
 
 
-def test_fewer_restarts_and_longer_frames_save_bytes(folder):
+def test_fewer_restarts_save_bytes(folder):
     trk = generated(folder)
     def reduced(*options):
         summary = json.loads(must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436",
                                   "--out", folder / "s.flr", "--json", *options))
-        line = next(l for l in must("info", folder / "s.flr").splitlines() if "restart" in l)
-        frames, restarts = (int(w) for w in line.replace(",", "").split() if w.isdigit())
-        return summary["bytes"], frames, restarts
+        return summary["bytes"], summary["frames"], summary["restarts"]
     usual, often, once = reduced(), reduced("--restart", 0.5), reduced("--restart", 1000)
-    assert once[2] < usual[2] < often[2] and once[0] < usual[0] < often[0], (once, usual, often)
-    assert reduced("--open", 100)[1] > usual[1]
-    assert reduced("--open", 0) == reduced("--open", 40) == usual  # a third of 120
+    alone = reduced("--independent")
+    assert once[2] < usual[2] < often[2] < alone[2] == alone[1], (once, usual, often, alone)
+    assert once[0] < usual[0] < often[0] and usual[0] < alone[0], (once, usual, often, alone)
+    assert reduced("--restart", 0) == alone
+
+
+def test_the_width_of_the_search_and_its_objective(folder):
+    trk = generated(folder)
+    def reduced(*options):
+        return json.loads(must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436", "--delay", 60,
+                               "--out", folder / "s.flr", "--json", *options))
+    narrow, medium, wide = (reduced("--beam", w) for w in ("narrow", "medium", "wide"))
+    assert [r["beam"] for r in (narrow, medium, wide)] == ["narrow", "medium", "wide"]
+    assert wide["bytes"] < medium["bytes"] and wide["bytes"] < narrow["bytes"]
+    for width, slice in (("narrow", "small"), ("wide", "large")):  # the earlier names
+        assert reduced("--slice", slice) == reduced("--beam", width)
+    assert reduced("--continuity", 1) == reduced("--continuity", 0) == medium
+    knots = reduced("--objective", "knots", "--continuity", 2)
+    assert knots["kind"] == "C2 cubic" and knots["bytes"] > medium["bytes"]
+    for channel in ("position", "orientation"):
+        assert knots[channel]["control_points"] < medium[channel]["control_points"]
+    options = ("--tol-pos", "1e-3", "--tol-rot", "0.00436", "--out", folder / "s.flr")
+    expect(2, "reduce", trk, *options, "--continuity", 2, says="needs --objective knots")
+    expect(2, "reduce", trk, *options, "--objective", "knots", "--independent", says="--objective bytes")
+    expect(2, "reduce", trk, *options, "--beam", "wide", "--slice", "small", says="--beam")
+    expect(2, "reduce", trk, *options, "--delay", 15, says="16")
+
+
+def test_a_stream_of_another_format_is_refused_by_its_version(folder):
+    trk, stream, out = generated(folder), folder / "s.flr", folder / "d.csv"
+    must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436", "--objective", "knots", "--out", stream)
+    expect(1, "info", stream, says="earlier format (versions 1 to 3)")
+    expect(1, "decode", stream, "--at", trk, "--out", out, says="decode --earlier")
+    expect(0, "decode", stream, "--at", trk, "--out", out, "--earlier")
+    for (_, p, q), (_, p_curve, q_curve, _) in zip(read_trk(trk), read_csv(out), strict=True):
+        assert p is None or axis_distance(p, p_curve) <= 1e-3
+        assert q is None or rotation_angle(q, q_curve) <= 0.00436
+    must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436", "--stream-id", 77, "--out", stream)
+    expect(0, "info", stream, says="stream id            77")
+    data = bytearray(stream.read_bytes())
+    data[2] = 9  # of a header: the version; its CRC-32 follows the payload
+    size = 2 + data[1]
+    data[size:size + 4] = zlib.crc32(data[:size]).to_bytes(4, "little")
+    stream.write_bytes(data)
+    expect(1, "info", stream, says="version 9; this program reads version 4")
+    expect(1, "decode", stream, "--at", trk, "--out", out, says="version 9")
 
 
 def test_filter_columns_and_constant_rate(folder):

@@ -32,11 +32,12 @@ void expect_guarantee(const Replay& r) {
         EXPECT_EQ(c->violations, 0u);
         EXPECT_EQ(c->changed, 0u);
         EXPECT_LE(c->max_delay, r.options.delay_max);
-        EXPECT_EQ(c->control_points, 4 * c->curves + c->knots);
+        EXPECT_EQ(c->control_points, 3 * c->curves + c->knots);
     }
     EXPECT_LE(r.position.max_error, r.options.tol_pos_m);
     EXPECT_LE(r.orientation.max_error, r.options.tol_rot_rad);
     EXPECT_EQ(r.position.bytes + r.orientation.bytes + r.events.bytes, r.stream.size());
+    EXPECT_EQ(r.overflows, 0u);
     EXPECT_EQ(r.events.wrong, 0u);
     EXPECT_EQ(r.events.late, 0u);
     EXPECT_EQ(r.events.decoded.size() + r.events.refused, r.events.offered);
@@ -91,7 +92,7 @@ TEST(Replay, CarriesDiscreteEventsWhateverHappensToTheMotion) {
     Recording burst = generate("rest:1", 1);
     for (int i = 0; i < 30; ++i) burst.events.push_back({500'000'000, 1, 1, 0});
     const Replay r = replay(burst, {});
-    EXPECT_EQ(r.events.refused, 22u);
+    EXPECT_EQ(r.events.refused, 24u);
     EXPECT_EQ(r.events.wrong + r.events.late, 0u);
 }
 
@@ -149,6 +150,89 @@ TEST(Replay, TellsTheErrorOfAnImuFromItsReference) {
         EXPECT_LT(last.inclination_error, 0.06);
         EXPECT_GE(last.turn_error + 1e-9, std::abs(last.heading_error));
     }
+}
+
+// Widths, channels and restarts change the bytes, and the guarantee for none of them.
+TEST(Replay, HoldsItsGuaranteeForEveryChoice) {
+    const Recording recording = motion(5);
+    for (const Beam beam : {Beam::narrow, Beam::medium, Beam::wide}) {
+        for (const double restart_s : {0.0, 0.25, 2.0, 1e6}) {
+            SCOPED_TRACE(std::string{to_string(beam)} + " " + std::to_string(restart_s));
+            ReplayOptions options;
+            options.beam = beam;
+            options.restart_s = restart_s;
+            options.delay_max = restart_s > 1 ? 60 : 16;
+            const Replay r = replay(recording, options);
+            expect_guarantee(r);
+            EXPECT_EQ(r.restarts == r.frames, !(restart_s > 0));
+        }
+    }
+    ReplayOptions one;
+    one.orientation = false;
+    const Replay p = replay(recording, one);
+    EXPECT_EQ(p.position.violations + p.orientation.samples, 0u);
+    EXPECT_GT(p.position.samples, 0u);
+    EXPECT_EQ(p.position.bytes, p.stream.size());
+    one = {};
+    one.position = false;
+    const Replay q = replay(recording, one);
+    EXPECT_EQ(q.orientation.violations + q.position.samples, 0u);
+    EXPECT_EQ(q.orientation.bytes, q.stream.size());
+}
+
+// The earlier search stands behind the same intake, filter and judge.
+TEST(Replay, TheEarlierSearchFindsFewerKnots) {
+    const Recording recording = generate("model:optical+rest:1+reach:0.7:4+gap:0.3+turn:0.8:8", 2);
+    ReplayOptions options;
+    options.delay_max = 60;
+    const Replay bytes = replay(recording, options);
+    options.objective = Objective::knots;
+    const Replay knots = replay(recording, options);
+    for (const Replay* r : {&bytes, &knots}) {
+        EXPECT_EQ(r->position.violations + r->orientation.violations, 0u);
+        EXPECT_EQ(r->position.changed + r->orientation.changed, 0u);
+        EXPECT_LE(std::max(r->position.max_delay, r->orientation.max_delay), 60u);
+    }
+    EXPECT_EQ(knots.position.control_points, 4 * knots.position.curves + knots.position.knots);
+    EXPECT_LT(knots.position.control_points, bytes.position.control_points);
+    EXPECT_LT(knots.orientation.control_points, bytes.orientation.control_points);
+    EXPECT_LT(bytes.stream.size(), knots.stream.size());
+}
+
+// A board whose clock starts anew: the same times again, and neither curve is taken for the other.
+TEST(Replay, TellsRunsOfTheClockApart) {
+    Recording recording = generate("model:optical+rest:0.5+reach:0.7:2", 3);
+    const std::vector<Pose> again = generate("model:optical+turn:0.5:4+rest:0.5", 4).poses;
+    const std::size_t first = recording.size();
+    recording.poses.insert(recording.poses.end(), again.begin(), again.end());
+    const Replay r = replay(recording, {});
+    expect_guarantee(r);
+    EXPECT_EQ(r.runs, 2u);
+    ASSERT_EQ(r.input.size(), recording.size());
+    CurveStore store;
+    store.push(r.stream);
+    store.finish();
+    ASSERT_EQ(store.runs().size(), 2u);
+    const std::int64_t t_ns = again[30].t_ns;
+    const CurvePoint a = store.point_at(1, t_ns), b = store.point_at(2, t_ns);
+    EXPECT_GT(rotation_angle(a.q, b.q), 0.05) << "two motions at one time";
+    EXPECT_EQ(store.runs()[0].begin_ns(), recording.poses[0].t_ns);
+    EXPECT_EQ(store.runs()[1].begin_ns(), recording.poses[first].t_ns);
+}
+
+TEST(CurveStore, CountsBytesByTheKindOfTheirFrames) {
+    Recording recording = motion(3);
+    for (int i = 0; i < 5; ++i) recording.events.push_back({i * 300'000'000, 1, 7, 0});
+    const Replay r = replay(recording, {});
+    const StreamBytes bytes = stream_bytes(r.stream);
+    EXPECT_TRUE(bytes.whole);
+    EXPECT_EQ(bytes.frames, r.frames);
+    EXPECT_EQ(bytes.data + bytes.headers + bytes.events, r.stream.size());
+    EXPECT_GT(bytes.events, 0u);
+    EXPECT_EQ(bytes.version, 4);
+    const StreamBytes cut = stream_bytes(std::string_view(r.stream).substr(0, r.stream.size() - 1));
+    EXPECT_FALSE(cut.whole);
+    EXPECT_LT(cut.counted, r.stream.size() - 1);
 }
 
 TEST(CurveStore, TakesBytesInAnyPortions) {

@@ -3,13 +3,29 @@
 
 #include <fstream>
 
-#include "examples/firmware/config.hpp"
 #include "examples/firmware/motion.hpp"
+#include "fairlead/pipeline2.hpp"
 #include "host_sim/recording/recording.hpp"
 #include "host_sim/timing.hpp"
 
 namespace fairlead::sim {
 namespace {
+
+struct Board {
+    using Input = Pose;
+    using Channels = fairlead::Channels<Position, Orientation>;
+    using Filter = PoseFilter<9>;
+    static constexpr std::size_t delay_records_max = 60;
+    static constexpr Beam beam = Beam::narrow;
+    static constexpr std::size_t events_max = 0;
+};
+
+Pipeline2<Board>::Params params() {
+    Pipeline2<Board>::Params params;
+    params.sample_period_ns = motion::step_ns;
+    params.filter = Board::Filter{binomial_mask<9>()};
+    return params;
+}
 
 TimingModel one_megahertz() {
     TimingModel m;
@@ -103,7 +119,7 @@ TEST(Timing, CyclesPerInstructionAreARange) {
 }
 
 TEST(Timing, AReplayTellsTheBytesOfEveryPush) {
-    Pipeline<Config> pipeline{Config::params()}, other{Config::params()};
+    Pipeline2<Board> pipeline{params()}, other{params()};
     std::vector<Pose> records;
     std::size_t bytes = 0;
     for (std::int64_t n = 0; n < motion::records; ++n) {

@@ -143,6 +143,8 @@ class RangeDecoder {
         v = peek(bits) >= zeros;
         take(v ? zeros : 0, v ? ones : zeros, bits);
     }
+    /// Bytes that were taken so far, the four that wait in the register among them.
+    constexpr std::size_t taken() const noexcept { return at_; }
     /// A decoder reads on behind the bytes: whether they were right, finished() tells.
     constexpr bool ok() const noexcept { return true; }
     /// After the last symbol: are the bytes exactly what the encoder writes for these symbols?

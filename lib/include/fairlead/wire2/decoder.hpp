@@ -168,6 +168,8 @@ class Decoder {
     float tolerance_steps(std::size_t channel) const noexcept {
         return static_cast<float>(layout_.channel[channel].tolerance) * (1.0f / 32768.0f);
     }
+    /// Bytes of the latest frame's payload that next() has read: what the pieces told so far cost.
+    std::size_t payload_read() const noexcept { return io_.taken(); }
     /// Of the latest frame, in sub-ticks.
     std::int64_t frame_start() const noexcept { return head_.start; }
     std::int64_t frame_end() const noexcept { return head_.end; }
