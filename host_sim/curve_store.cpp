@@ -301,7 +301,6 @@ std::string CurveStore::why_empty() const {
                "; this program reads version " + std::to_string(wire2::stream_version);
     if (decoder_.refused() == Decoder::Refused::shape)
         return "a stream of more channels than this program holds";
-    if (decoder_.run_index() > 0) return "a stream without curves: a header, and no frame";
     return "byte 0: no frame of a fairlead stream";
 }
 

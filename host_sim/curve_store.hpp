@@ -129,7 +129,9 @@ class CurveStore {
     /// Bits of the payloads that the channel's pieces took, to a byte.
     std::size_t piece_bytes(std::size_t channel) const;
     /// Nothing in the stream was understood.
-    bool empty() const { return frame_counters().frames + event_counters().frames == 0; }
+    bool empty() const {
+        return counters().headers + frame_counters().frames + event_counters().frames == 0;
+    }
     /// Empty, or what is wrong with the stream and near which byte it was first noticed.
     std::string damage() const;
 

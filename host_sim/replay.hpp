@@ -59,7 +59,8 @@ struct EventResult {
     std::size_t offered{}, refused{};  // refused: by a full queue
     std::size_t bytes{};               // of their frames
     std::size_t wrong{};               // not decoded, or with another time or value: must be 0
-    std::size_t late{};                // not in the bytes of the record that followed: must be 0
+    std::size_t late{};                // not in the bytes of the record that followed, once the
+                                       // stream has begun: must be 0
     std::vector<Event> accepted, decoded;
     std::vector<std::size_t> due;  // per accepted event: the stream's size after that record
 };

@@ -143,7 +143,8 @@ void judge_events(const Store& whole, Replay& result) {
     for (std::size_t i = 0; i < events.accepted.size(); ++i) {
         store.push(std::string_view(result.stream).substr(fed, events.due[i] - fed));
         fed = events.due[i];
-        if (store.events().size() <= i) ++events.late;
+        // an event before the first record waits for the header, which begins the stream
+        if (store.events().size() <= i && events.due[i] > 0) ++events.late;
         const Event& in = events.accepted[i];
         const auto same = [&in](const Event& out) {
             return in.t_ns == out.t_ns && in.channel == out.channel && in.value == out.value;

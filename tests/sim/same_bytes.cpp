@@ -30,7 +30,7 @@ std::uint64_t hash_of(const sim::Recording& recording, float tol_m, float tol_ra
         for (std::size_t i = 0; i < bytes.size; ++i) hash = (hash ^ bytes.data[i]) * 1099511628211u;
         return bytes.status;
     };
-    for (const Pose& pose : recording.poses) take(pipeline->push(pose));
+    for (const Pose& pose : recording.poses) static_cast<void>(take(pipeline->push(pose)));
     while (take(pipeline->flush()) != Status::end) {
     }
     return hash;

@@ -78,9 +78,10 @@ def check_gaps(records, stream, folder):
 def check_prefixes(trk, records, stream, emitted, folder, curve):
     """With the bytes present at record j the curve is what it stays, up to record j - DELAY."""
     n = len(records)
+    header = next(size for size in emitted if size)  # the first bytes: no curve yet
     for j in (DELAY + 1, n // 7, n // 3, n // 2, 3 * n // 4, n - 2):
         nothing = [(t, None, None, None) for t, *_ in records]
-        part = decoded(stream, trk, folder, emitted[j]) if emitted[j] else nothing
+        part = decoded(stream, trk, folder, emitted[j]) if emitted[j] > header else nothing
         for i, (now, final) in enumerate(zip(part, curve, strict=True)):
             for channel, fields in ((1, slice(1, 4)), (2, slice(4, 8))):
                 if now[channel] is None:

@@ -136,10 +136,11 @@ TEST(Timing, AReplayTellsTheBytesOfEveryPush) {
     }
     EXPECT_GT(told, 0u);
     EXPECT_EQ(told, bytes);
-    // 115200 baud carry this motion with ease, 300 baud do not
+    // 115200 baud carry this motion with ease; of a byte a second half of it has to wait
     TimingModel board;
+    board.wire_capacity = told / 2;
     EXPECT_TRUE(play(board, pushes).ok());
-    board.wire_bytes_per_s = 30;
+    board.wire_bytes_per_s = 1;
     EXPECT_FALSE(play(board, pushes).ok());
 }
 
