@@ -8,6 +8,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 
 from simulator import ROOT, main, must
 
@@ -66,22 +67,40 @@ def test_every_frame_has_its_example(_):
         assert frame.stem in known, frame
 
 
-def test_a_minute_at_rest_costs_what_the_page_says(folder):
-    page = (ROOT / "docs" / "reducer.md").read_text(encoding="utf-8")
+REDUCER = ROOT / "docs" / "reducer.md"
+REST_ROW = re.compile(r"^(\| (?:a restart point|one at the start).*?\|)(.*)\|$", re.MULTILINE)
+
+
+def rest_bytes(folder, row):
+    """Bytes of the minute at rest for the delays of the table, as the commands of the page give them."""
+    page = REDUCER.read_text(encoding="utf-8")
     generate, reduce = re.findall(r"^    build/fairlead-sim (.*rest\.trk.*)$", page, re.MULTILINE)[:2]
     here = lambda line: [folder / w if w.startswith("rest.") else w for w in line.split()]
     must(*here(generate))
-    rows = re.findall(r"^\| (?:a restart point|one at the start).*$", page, re.MULTILINE)
+    restart = re.findall(r"`(--restart) (\d+)`", row)
+    out = []
+    for delay in (60, 120, 240):
+        line = here(reduce.replace("--max-delay 120", f"--max-delay {delay}"))
+        summary = json.loads(must(*line, *(restart[0] if restart else [])))
+        for channel in ("position", "orientation"):
+            assert summary[channel]["curves"] == 1 and summary[channel]["samples_outside"] == 0, summary
+        out.append(summary["bytes"])
+    return out
+
+
+def test_a_minute_at_rest_costs_what_the_page_says(folder):
+    """`tests/sim/test_docs.py --write` puts the present numbers into the page."""
+    page = REDUCER.read_text(encoding="utf-8")
+    rows = REST_ROW.findall(page)
     assert len(rows) == 2, rows
-    for row in rows:
-        restart = re.findall(r"`(--restart) (\d+)`", row)
-        said = [int(cell.replace(",", "")) for cell in row.split("|")[2:5]]
-        for delay, expected in zip((60, 120, 240), said, strict=True):
-            line = here(reduce.replace("--max-delay 120", f"--max-delay {delay}"))
-            summary = json.loads(must(*line, *(restart[0] if restart else [])))
-            assert summary["bytes"] == expected, (row, delay, summary)
-            for channel in ("position", "orientation"):
-                assert summary[channel]["control_points"] == 4, summary
+    for row, cells in rows:
+        found = rest_bytes(folder, row)
+        if "--write" in sys.argv:
+            page = page.replace(row + cells, row + " |".join(f" {n:,}" for n in found) + " ")
+        else:
+            assert [int(cell.replace(",", "")) for cell in cells.split("|")] == found, (row, found)
+    if "--write" in sys.argv:
+        REDUCER.write_text(page, encoding="utf-8")
 
 
 def test_links_lead_somewhere(_):
