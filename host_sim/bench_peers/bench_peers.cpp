@@ -84,9 +84,9 @@ CellResult measure(const Cell& cell, const Options& options, Cache& cache, Sweep
         sweeps.add(cell, bound, all);
     }
     const Program program{options.program, options.folder, options.reduce_arguments};
-    for (std::size_t s = 0; s < slices.size() && !options.rivals_only; ++s)
+    for (std::size_t s = 0; s < settings.size() && !options.rivals_only; ++s)
         for (std::size_t d = 0; d < delays.size(); ++d)
-            result.ours[s][d] = program.reduce(cell, delays[d], slices[s]);
+            result.ours[s][d] = program.reduce(cell, delays[d], settings[s]);
     return result;
 }
 

@@ -90,7 +90,8 @@ void say_once(const std::string& what) {
 
 }  // namespace
 
-std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay, const char* slice) const {
+std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay,
+                                    const Setting& setting) const {
     if (access(path.c_str(), X_OK) != 0) {
         say_once("no program " + path);
         return {};
@@ -99,9 +100,9 @@ std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay, const c
     const std::string stream = folder + "/ours.flr", csv = folder + "/ours.csv";
     const bool position = cell.track.channel == Channel::position;
     char limits[128];
-    std::snprintf(
-        limits, sizeof limits, " --tol-pos %.9g --tol-rot %.9g --max-delay %zu --slice %s ",
-        position ? cell.tolerance : 0.001, position ? 0.01 : cell.tolerance, delay, slice);
+    std::snprintf(limits, sizeof limits, " --tol-pos %.9g --tol-rot %.9g --max-delay %zu %s ",
+                  position ? cell.tolerance : 0.001, position ? 0.01 : cell.tolerance, delay,
+                  setting.arguments);
     const auto json = output_of(quoted(path) + " reduce " + quoted(in) + limits + "--channel " +
                                 to_string(cell.track.channel) + " --out " + quoted(stream) +
                                 " --json " + extra_arguments);
@@ -116,7 +117,7 @@ std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay, const c
     ours.max_delay = number_after(*json, "max_delay_samples", block);
     ours.mean_delay = number_after(*json, "mean_delay_samples", block);
     if (!output_of(quoted(path) + " decode " + quoted(stream) + " --at " + quoted(in) + " --out " +
-                   quoted(csv))) {
+                   quoted(csv) + (setting.earlier ? " --earlier" : ""))) {
         say_once(path + " decode failed on " + stream);
         return {};
     }

@@ -19,13 +19,22 @@ struct Ours {
     double speed{}, speed_error{};
 };
 
-/// Work on the search, as `fairlead-sim reduce --slice` names it.
-constexpr std::array<const char*, 3> slices{"small", "medium", "large"};
+/// A way to run it: the name of its rows, and what `fairlead-sim reduce` is told.
+struct Setting {
+    const char* name;
+    const char* arguments;
+    bool earlier;  // its stream has the earlier format
+};
+constexpr std::array<Setting, 4> settings{{{"narrow", "--beam narrow", false},
+                                           {"medium", "--beam medium", false},
+                                           {"wide", "--beam wide", false},
+                                           {"few knots", "--objective knots --beam medium", true}}};
+constexpr std::size_t medium = 1;  // of the settings
 
 struct Program {
     std::string path, folder, extra_arguments;
     /// Empty where the program is absent or refuses; the reason goes to standard error once.
-    std::optional<Ours> reduce(const Cell& cell, std::size_t delay, const char* slice) const;
+    std::optional<Ours> reduce(const Cell& cell, std::size_t delay, const Setting& setting) const;
 };
 
 }  // namespace fairlead::sim

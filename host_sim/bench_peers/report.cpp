@@ -94,12 +94,12 @@ std::string bound_name(std::size_t bound) {
     return bound < delays.size() ? text("delay %zu", delays[bound]) : "no bound";
 }
 
-/// Calls `each(slice, delay, "fairlead, slice ..., delay ...")`, small before large.
+/// Calls `each(setting, delay, "medium, delay 120")`.
 template <class Each>
 void for_each_of_ours(Each each) {
-    for (std::size_t s = 0; s < slices.size(); ++s)
+    for (std::size_t s = 0; s < settings.size(); ++s)
         for (std::size_t d = 0; d < delays.size(); ++d)
-            each(s, d, text("slice %s, delay %zu", slices[s], delays[d]));
+            each(s, d, text("%s, delay %zu", settings[s].name, delays[d]));
 }
 
 /// Speeds: of the samples, and by how much they are off after decoding.
@@ -114,7 +114,7 @@ std::string speed_table(const Results& results) {
                    (c.channel == Channel::position ? 1e3 : 180 / 3.14159265358979323846);
         });
     };
-    line("samples: the speed itself", 1, 1, &Ours::speed);
+    line("samples: the speed itself", medium, 1, &Ours::speed);
     for_each_of_ours([&](std::size_t s, std::size_t d, const std::string& name) {
         line("fairlead, " + name, s, d, &Ours::speed_error);
     });
@@ -202,7 +202,7 @@ std::string recording_table(const Results& results) {
     std::string out =
         "| recording, channel, tolerance | samples | libsisl | global removal | proved necessary |"
         " best rival's bytes at delay 60, 120, 240, and which at 120 |"
-        " fairlead's control points, slice medium | and bytes "
+        " fairlead's control points, medium | and bytes "
         "|\n|---|---|---|---|---|---|---|---|\n";
     for (const CellResult& c : results) {
         out += text("| %s, %s, %s | %zu | %zu |", c.name.c_str(), to_string(c.channel),
@@ -216,9 +216,9 @@ std::string recording_table(const Results& results) {
             if (const Tried* best = best_rival(c, d)) out += text("%zu ", best->bytes);
         if (const Tried* best = best_rival(c, 1)) out += best->rival;
         out += " | ";
-        for (const auto& o : c.ours[1]) out += o ? text("%zu ", o->control_points) : "- ";
+        for (const auto& o : c.ours[medium]) out += o ? text("%zu ", o->control_points) : "- ";
         out += "| ";
-        for (const auto& o : c.ours[1]) out += o ? text("%zu ", o->bytes) : "- ";
+        for (const auto& o : c.ours[medium]) out += o ? text("%zu ", o->bytes) : "- ";
         out += "|\n";
     }
     return out;

@@ -22,7 +22,7 @@ struct CellResult {
     std::vector<KnotResult> knots;                      // the yardstick first
     std::optional<std::size_t> least;                   // control points proved necessary
     std::array<std::vector<Tried>, bound_count> bytes;  // best setting of every rival
-    std::array<std::array<std::optional<Ours>, delays.size()>, slices.size()> ours;
+    std::array<std::array<std::optional<Ours>, delays.size()>, settings.size()> ours;
 };
 
 std::string to_json(const std::vector<CellResult>& results);

@@ -43,7 +43,7 @@ std::optional<Ours> changed(const Cell& cell, const Program& program, Change cha
         std::copy(stored, stored + 4, x);
     }
     write_bytes(program.folder + "/cut/" + other.file_name(), to_trk(recording));
-    return program.reduce(other, delay, slices[1]);
+    return program.reduce(other, delay, settings[medium]);
 }
 
 /// Gathers changes of one figure.

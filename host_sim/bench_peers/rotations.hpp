@@ -23,7 +23,7 @@ struct RotationResult {
 
 constexpr int rotations = 20;
 
-/// An orientation cell in `rotations` other frames, at a delay of 120 and the medium slice.
+/// An orientation cell in `rotations` other frames, at a delay of 120 and the medium beam.
 std::optional<RotationResult> in_other_frames(const Cell& cell, const Program& program);
 
 std::string to_markdown(const std::vector<RotationResult>& results);

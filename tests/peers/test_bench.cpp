@@ -51,7 +51,7 @@ TEST_F(PeerBench, ReadsTheFiguresAndChecksEverySample) {
     const std::string csv =
         "t_ns,px,py,pz,qw,qx,qy,qz\n"
         "0,0,1,-2,,,,\n10000000,0.1,1.0005,-2,,,,\n20000000,,,,,,,\n30000000,0.3,1,-2.0007,,,,\n";
-    const auto ours = stand_in(json, csv).reduce(cell(), 60, "medium");
+    const auto ours = stand_in(json, csv).reduce(cell(), 60, settings[medium]);
     ASSERT_TRUE(ours);
     EXPECT_EQ(ours->control_points, 7u);
     EXPECT_EQ(ours->bytes, 321u) << "all bytes of the stream count";
@@ -64,14 +64,14 @@ TEST_F(PeerBench, ReadsTheFiguresAndChecksEverySample) {
 }
 
 TEST_F(PeerBench, ASampleThatIsNotDecodedIsMissing) {
-    const auto ours =
-        stand_in(json, "t_ns,px,py,pz,qw,qx,qy,qz\n0,0,1,-2,,,,\n").reduce(cell(), 60, "medium");
+    const auto ours = stand_in(json, "t_ns,px,py,pz,qw,qx,qy,qz\n0,0,1,-2,,,,\n")
+                          .reduce(cell(), 60, settings[medium]);
     ASSERT_TRUE(ours);
     EXPECT_EQ(ours->samples_missing, 3u);
 }
 
 TEST_F(PeerBench, SkipsWithoutTheProgram) {
-    EXPECT_FALSE((Program{folder_ + "/absent", folder_, ""}.reduce(cell(), 60, "medium")));
+    EXPECT_FALSE((Program{folder_ + "/absent", folder_, ""}.reduce(cell(), 60, settings[medium])));
 }
 
 TEST_F(PeerBench, KeepsResultsByDataAndTolerance) {
@@ -103,22 +103,18 @@ TEST_F(PeerBench, TablesShowGeometricMeansAndTheWorst) {
         results[i].seconds = 1;
         results[i].knots = {{"libsisl", 100, 0.9}, {"other", i == 0 ? 50u : 200u, 1.2}};
         results[i].bytes[0] = {{"a", "s", 80, true}, {"delta + Rice", "s", 160, true}};
-        results[i].ours[1][0] =
+        results[i].ours[medium][0] =
             Ours{i == 0 ? 40u : 90u, i == 0 ? 20u : 80u, 0.99, 0, 60, 20, 0.5, 0.001};
     }
     const std::string tables = to_markdown(results);
-    EXPECT_NE(tables.find("| **fairlead, slice medium, delay 60** | 0.60 (0.90) |"),
-              std::string::npos)
+    EXPECT_NE(tables.find("| **fairlead, medium, delay 60** | 0.60 (0.90) |"), std::string::npos)
         << tables;
     EXPECT_NE(tables.find("| other, tolerance broken on 2 of 2 | 1.00 (2.00) |"),
               std::string::npos);
-    EXPECT_NE(tables.find("| best rival, slice medium, delay 60 | 0.50 (1.00) |"),
+    EXPECT_NE(tables.find("| best rival, medium, delay 60 | 0.50 (1.00) |"), std::string::npos);
+    EXPECT_NE(tables.find("| delta + Rice, medium, delay 60 | 0.25 (0.50) |"), std::string::npos);
+    EXPECT_NE(to_json(results).find("\"fairlead, medium, delay 60\": {\"control_points\": 40"),
               std::string::npos);
-    EXPECT_NE(tables.find("| delta + Rice, slice medium, delay 60 | 0.25 (0.50) |"),
-              std::string::npos);
-    EXPECT_NE(
-        to_json(results).find("\"fairlead, slice medium, delay 60\": {\"control_points\": 40"),
-        std::string::npos);
 }
 
 TEST_F(PeerBench, OnlyTheTablesOfThePageChange) {
