@@ -85,11 +85,12 @@ class Reducer {
         started_ = pending_ = false;
         frame_ = {};
     }
-    /// Do all curves end at a tick that is behind this time? Curves end at whole ticks: after
-    /// flush() a record may come before the tick. It needs a new run.
+    /// Do all curves end at a tick that is not before this time? Curves end at whole ticks: after
+    /// flush() a record may come before the tick, or at it. It needs a new run, so that no two
+    /// curves of a run have a time in common.
     bool ended_behind(std::int64_t t_ns) const noexcept {
-        return !started_ && t_ns < grid_.time_ns(frame_.start_subs +
-                                                 std::int64_t{frame_.ticks} * curve::subs_per_tick);
+        return !started_ && frame_.ticks > 0 &&
+               t_ns - grid_.time_ns(frame_.start_subs) <= frame_.ticks * grid_.tick_ns();
     }
 
     /// A record at t_ns: values of the channels whose bit in `valid` is set. Behind every earlier
