@@ -161,13 +161,20 @@ TEST(StreamEncoder, RecordsWithoutAValueCountForTheDelay) {
             for (std::uint32_t some = 1; some < 40; some += 3) {
                 typename Both::Params params;
                 params.tolerance = {0.001f, 0.0044f};
+                params.sample_period_ns = 6'400'000;
                 params.delay_records = delay;
                 Checked<Both> run{params};
                 std::int64_t t = 0;
                 for (std::uint32_t i = 0; i < 3 * (some + 150); ++i) {
                     const std::uint32_t at = i % (some + 150);
                     const float x = 0.01f * std::sin(0.1f * static_cast<float>(i));
-                    const std::uint32_t valid = at < some ? 3 : at < some + some / 4 ? 2 : 0;
+                    // every other time a channel has its first sample where the others have their
+                    // last
+                    const std::uint32_t most = some % 2 == 0 ? 2 : 3;
+                    const std::uint32_t valid = at < some              ? most
+                                                : at == some           ? 3
+                                                : at < some + some / 4 ? 2
+                                                                       : 0;
                     run.push(t, {{x, -x, 0}, turned(x, 0, 0)}, valid, 0, i == 0);
                     t += static_cast<std::int64_t>(spacing *
                                                    static_cast<double>(params.sample_period_ns));

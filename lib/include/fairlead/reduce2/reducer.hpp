@@ -264,8 +264,10 @@ class Reducer {
         if (behind_ > 0) ++behind_;
         if (waiting_ + records_a_tick < window_.records) return false;
         std::int32_t last = 1;
-        each([&](const auto& channel, auto) {
-            if (channel.active()) last = (std::max)(last, channel.last_tick());
+        each([&](const auto& c, auto) {
+            if (!c.active()) return;
+            const bool alone = c.starts() && c.last_tick() == c.start_tick();
+            last = (std::max)(last, c.last_tick() + (alone ? 1 : 0));
         });
         if (last <= grid_.column(t_ns, start_)) {
             behind_ = 0;
