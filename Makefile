@@ -263,7 +263,7 @@ fuzz-config: ## [gateway clang sanitize] search for a configuration that stops t
 	@mkdir -p $(BUILD)/fuzz/config && cp examples/gateway/gateway.toml $(BUILD)/fuzz/config/
 	clang++ $(BASE) -Wno-everything -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $(FUZZ_CONFIG) -o $(BUILD)/fuzz/fuzz-config
 	$(BUILD)/fuzz/fuzz-config -dict=tests/fuzz/toml.dict -max_len=4096 -timeout=5 -max_total_time=$$(( 60 * $(MINUTES) )) $(BUILD)/fuzz/config
-deb: gateway record sim ## [deb] build the Debian package of the programs, and check it with lintian
+deb: gateway record sim live ## [deb] build the Debian package of the programs, and check it with lintian
 	@examples/gateway/deb/build $(BUILD)
 	@lintian --fail-on error $(BUILD)/fairlead_*.deb
 

@@ -98,7 +98,9 @@ double movement_start_s(const Recording& recording) {
 std::string to_estimate_csv(const std::vector<Pose>& estimate) {
     std::string out = "t_ns,qw,qx,qy,qz\n";
     char line[128];
+    Progress progress{"write", estimate.size()};
     for (const Pose& pose : estimate) {
+        progress.show(static_cast<std::size_t>(&pose - estimate.data()));
         const Quat& q = pose.q_wb;
         std::snprintf(line, sizeof line, "%lld,%.9g,%.9g,%.9g,%.9g\n",
                       static_cast<long long>(pose.t_ns), static_cast<double>(q.w),
@@ -112,7 +114,10 @@ std::vector<Pose> parse_estimate_csv(const std::string& text, const std::string&
     std::vector<Pose> out;
     std::istringstream lines{text};
     std::string line;
-    for (int number = 1; std::getline(lines, line); ++number) {
+    Progress progress{"estimate", text.size(), "bytes"};
+    for (std::size_t number = 1, done = 0; std::getline(lines, line); ++number) {
+        progress.show(done);
+        done += line.size() + 1;
         if (line.empty() || (number == 1 && line.rfind("t_ns", 0) == 0)) continue;
         long long t_ns = 0;
         double q[4]{};

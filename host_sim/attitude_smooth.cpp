@@ -5,6 +5,7 @@
 
 #include "fairlead/sense/attitude.hpp"
 #include "fairlead/sense/intake.hpp"
+#include "host_sim/progress.hpp"
 #include "host_sim/spec.hpp"
 
 namespace fairlead::sim {
@@ -75,7 +76,9 @@ class Smoother {
         Filter filter{params_};
         if (use) filter.restore_all(started_with(known));
         std::vector<Told> out(samples.size());
+        Progress progress{use ? "smooth, again" : "smooth, first of three passes", samples.size()};
         for (std::size_t i = 0; i < samples.size(); ++i) {
+            progress.show(i);
             const auto pose = filter.push(samples[i]);
             if (!pose || (pose->flags & flag::orientation_valid) == 0) continue;
             const State& s = filter.state();

@@ -15,6 +15,8 @@ double steady_now_s() {
     return std::chrono::duration<double>(now).count();
 }
 
+const double program_begun_s = steady_now_s();
+
 /// "850", "12.4 k", "3.1 M".
 void rate_text(double rate, char* out, std::size_t size) {
     if (rate < 1e3)
@@ -39,7 +41,7 @@ void time_text(double seconds, char* out, std::size_t size) {
 }  // namespace
 
 ProgressPlace ProgressPlace::standard() {
-    return {stderr, isatty(STDERR_FILENO) != 0, steady_now_s};
+    return {stderr, isatty(STDERR_FILENO) != 0, steady_now_s, program_begun_s};
 }
 
 Progress::Progress(const char* label, std::size_t total, const char* unit,
@@ -47,7 +49,8 @@ Progress::Progress(const char* label, std::size_t total, const char* unit,
     : label_{label}, unit_{unit}, total_{total}, place_{place} {
     if (!place_.terminal) return;
     start_s_ = place_.now_s();
-    next_s_ = start_s_ + patience_s;
+    const double begun_s = place_.begun_s < 0 ? start_s_ : place_.begun_s;
+    next_s_ = std::fmax(begun_s + patience_s, start_s_ + every_s);
 }
 
 Progress::~Progress() {

@@ -1,5 +1,5 @@
 #pragma once
-// A line of progress on stderr for work that lasts longer than two seconds: share, rate and time
+// A line of progress on stderr for commands that last longer than two seconds: share, rate and time
 // left, rewritten a few times a second. On a terminal only: none in a pipe or a file.
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +12,7 @@ struct ProgressPlace {
     std::FILE* file{stderr};
     bool terminal{};
     double (*now_s)(){};  // of a clock that never goes back
+    double begun_s{-1};   // the command's start: the two seconds count from there; -1: from here
 
     static ProgressPlace standard();
 };

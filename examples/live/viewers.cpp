@@ -30,6 +30,12 @@ Viewers::Viewers(std::string page)
     : server_{std::make_unique<httplib::Server>()}, page_{std::move(page)} {
     server_->new_task_queue = [] { return new httplib::ThreadPool(most + 4); };
     server_->set_write_timeout(patience_s);
+    server_->set_socket_options([](socket_t s) {
+        const int yes = 1,
+                  few = 8192;  // else megabytes wait in the kernel for a viewer that sleeps
+        setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+        setsockopt(s, SOL_SOCKET, SO_SNDBUF, &few, sizeof few);
+    });
     server_->set_read_timeout(patience_s);
     server_->set_keep_alive_max_count(20);
     server_->set_payload_max_length(4096);

@@ -109,7 +109,9 @@ void run(const Options& o) {
                                 figure_of("allan_accel", "accelerometer", "m/s²")};
     std::string csv = "channel,tau_s,deviation\n";
     const auto channels = channels_of(recording, rest);
+    Progress progress{"allan", channels.size(), "axes"};
     for (std::size_t c = 0; c < channels.size(); ++c) {
+        progress.show(c);
         const Channel& channel = channels[c];
         const auto points = allan_deviation(channel.values, recording.period_s);
         const AllanFigures f = allan_figures(points);

@@ -32,11 +32,9 @@ class Numbering {
         const auto& c = evidence_.columns;
         return i + 3 < c.size() && unit_quaternions(c[i], c[i + 1], c[i + 2], c[i + 3]);
     }
-    /// The column that would be the scalar is small throughout, and the other one large. TUM is
-    /// one fixed format; CSV without a header has the scalar first or last.
+    /// The column that would be the scalar is small throughout, and the other one large.
     bool scalar_is_elsewhere(std::size_t scalar, std::size_t other) const {
-        const double small = blanks() ? 0.1 : 0.5, large = blanks() ? 0.9 : 0.8;
-        return typical_size(scalar) < small && typical_size(other) > large;
+        return typical_size(scalar) < 0.1 && typical_size(other) > 0.9;
     }
     bool matrix(std::size_t first) const {
         if (evidence_.columns.size() < first + 12 || evidence_.rows == 0) return false;
@@ -45,6 +43,7 @@ class Numbering {
             if (!rotation(first, row)) ++bad;
         return 100 * bad <= evidence_.rows;
     }
+    std::size_t columns() const { return table_.columns; }
     bool blanks() const { return table_.style.separator == ' '; }
     bool whole_times() const { return evidence_.whole[0]; }
 
@@ -90,9 +89,11 @@ std::vector<Known> known_layouts(const Numbering& n) {
          [&] { return n.quaternion(1) && n.gravity(5) && n.rate(8) && n.field(11); }},
         {"TUM, scalar last", "t,px,py,pz,qx,qy,qz,qw", true,
          [&] { return n.blanks() && n.quaternion(4) && !n.scalar_is_elsewhere(7, 4); }},
+        // eight columns of CSV may have the scalar first or last, whatever the numbers look like;
+        // EuRoC's ground truth, with velocity and biases, is one fixed format of 17
         {"EuRoC ground truth, scalar first", "t,px,py,pz,qw,qx,qy,qz", true,
          [&] {
-             return !n.blanks() && n.whole_times() && n.quaternion(4) &&
+             return !n.blanks() && n.whole_times() && n.columns() == 17 && n.quaternion(4) &&
                     !n.scalar_is_elsewhere(4, 7);
          }},
     };

@@ -93,7 +93,7 @@ void parse_trk_record(std::string_view record, std::int64_t t_ns, Recording& rec
     recording.poses.push_back(pose);
 }
 
-void parse_version1(std::string_view bytes, bool imu, Recording& recording) {
+void parse_version1(std::string_view bytes, bool imu, const Steps& progress, Recording& recording) {
     const Header header = parse_header(bytes, imu, recording);
     Clock clock;
     std::size_t offset = header_size;
@@ -101,6 +101,7 @@ void parse_version1(std::string_view bytes, bool imu, Recording& recording) {
         if (bytes.size() - offset < header.record_size)
             refuse_at(offset, "record " + std::to_string(i) + " of " +
                                   std::to_string(header.record_count) + " is cut or missing");
+        if (progress && i % 4096 == 0) progress(offset, bytes.size());
         const std::string_view record = bytes.substr(offset, header.record_size);
         const std::int64_t t_ns = clock.unwrap_ns(load<std::uint32_t>(record, 0));
         if (imu)
@@ -186,7 +187,7 @@ void parse_binary(std::string_view bytes, const ReadOptions& options, Recording&
         refuse_at(0, "neither text nor a binary recording: these begin with IMR1 or TRK1");
     if (bytes.size() < 8) refuse_at(bytes.size(), "the header is cut");
     const auto version = load<std::uint32_t>(bytes, 4);
-    if (imu && version == 2) return parse_imu2(bytes, recording);
+    if (imu && version == 2) return parse_imu2(bytes, recording, options.progress);
     if (version != 1)
         refuse_at(4, "version " + std::to_string(version) + " of " + (imu ? ".imu" : ".trk") +
                          " is not known; this program reads " + (imu ? "1 and 2" : "1"));
@@ -194,7 +195,7 @@ void parse_binary(std::string_view bytes, const ReadOptions& options, Recording&
         if (imu) settle_sensors(options, recording);
     };
     try {
-        parse_version1(bytes, imu, recording);
+        parse_version1(bytes, imu, options.progress, recording);
     } catch (const BadData&) {
         settle();
         throw;

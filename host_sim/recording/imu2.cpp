@@ -233,7 +233,7 @@ std::string to_imu2(const Recording& recording) {
     return out;
 }
 
-void parse_imu2(std::string_view bytes, Recording& recording) {
+void parse_imu2(std::string_view bytes, Recording& recording, const Steps& progress) {
     const Imu2Header header = parse_header(bytes, recording);
     recording.format = Format::imu;
     recording.version2 = true;
@@ -252,6 +252,7 @@ void parse_imu2(std::string_view bytes, Recording& recording) {
                                   (open ? "whole records of " + std::to_string(size)
                                         : "128 + " + std::to_string(header.count) + " * " +
                                               std::to_string(size)));
+        if (progress && i % 4096 == 0) progress(offset, bytes.size());
         parse_record(bytes.substr(offset, size), offset, header.fields, recording);
         offset += size;
     }

@@ -43,6 +43,6 @@ std::string to_imu2(const Recording& recording);
 
 /// Fills the recording; throws BadData with the byte at the first damage, leaving all complete
 /// records before it in place.
-void parse_imu2(std::string_view bytes, Recording& recording);
+void parse_imu2(std::string_view bytes, Recording& recording, const Steps& progress = {});
 
 }  // namespace fairlead::sim

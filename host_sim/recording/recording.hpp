@@ -48,18 +48,21 @@ struct BadData : std::runtime_error {
 
 enum class Salvage { no, yes };  // yes: keep the complete records before the damage
 
+/// Called while a long file is read or written: how much is done.
+using Steps = std::function<void(std::size_t done, std::size_t total)>;
+
 /// What a user can say about a file that does not say it itself.
 struct ReadOptions {
     // NOLINTNEXTLINE: a Salvage alone is a complete set of options
     ReadOptions(Salvage s = Salvage::no) : salvage{s} {}
 
     Salvage salvage;
-    std::string columns;  // --columns t_ns,gx,gy,gz,ax,ay,az: what the columns are
-    std::string units;    // --units t=us,gyro=deg/s,accel=g: of columns without a unit
-    std::string sensors;  // --sensors gyro,accel: what an .imu of version 1 holds
-    double rate_hz{};     // --rate: of records without times; 0: not given
-    std::string times;    // --times FILE: times of records without them, one a line
-    std::function<void(std::size_t done, std::size_t total)> progress;  // bytes of text; or empty
+    std::string columns;            // --columns t_ns,gx,gy,gz,ax,ay,az: what the columns are
+    std::string units;              // --units t=us,gyro=deg/s,accel=g: of columns without a unit
+    std::string sensors;            // --sensors gyro,accel: what an .imu of version 1 holds
+    double rate_hz{};               // --rate: of records without times; 0: not given
+    std::string times;              // --times FILE: times of records without them, one a line
+    Steps progress;                 // in bytes; or empty
     std::vector<std::string> with;  // --with FILE...: other sensors of the device, merged by time
 };
 

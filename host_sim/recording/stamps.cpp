@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "host_sim/recording/calendar.hpp"
 #include "host_sim/recording/decimal.hpp"
 #include "host_sim/recording/encoding.hpp"
 #include "host_sim/recording/evidence.hpp"
@@ -22,7 +23,10 @@ std::vector<std::int64_t> times_of(const ReadOptions& options, std::vector<std::
     const std::string bytes = read_bytes(options.times);
     std::string storage;
     std::vector<std::string> ignored;
-    LineReader reader{as_utf8(bytes, storage, ignored)};
+    std::string decimal_storage;
+    bool dates = false;
+    LineReader reader{
+        with_decimal_times(as_utf8(bytes, storage, ignored), decimal_storage, dates, notes)};
     Line line;
     std::vector<Line> lines;
     Numbers numbers;
@@ -37,7 +41,7 @@ std::vector<std::int64_t> times_of(const ReadOptions& options, std::vector<std::
         lines.push_back(line);
         numbers.push_back(*value);
     }
-    const std::string name = given_unit(options.units);
+    const std::string name = dates ? "s" : given_unit(options.units);
     std::string rates;
     const auto unit =
         name.empty() ? time_unit(numbers, pose_rates, rates) : unit_of(Quantity::time, name);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fairlead/math/quat.hpp"
+#include "host_sim/recording/calendar.hpp"
 #include "host_sim/recording/decimal.hpp"
 #include "host_sim/recording/encoding.hpp"
 #include "host_sim/recording/layout.hpp"
@@ -301,10 +302,14 @@ void read_rows(std::string_view text, const Layout& layout, const ReadOptions& o
 
 }  // namespace
 
-void parse_text(std::string_view bytes, const ReadOptions& options, Role sensor_hint,
+void parse_text(std::string_view bytes, const ReadOptions& given, Role sensor_hint,
                 Recording& recording) {
-    std::string storage;
-    const std::string_view text = as_utf8(bytes, storage, recording.notes);
+    std::string storage, decimal_storage;
+    bool dates = false;
+    const std::string_view text = with_decimal_times(as_utf8(bytes, storage, recording.notes),
+                                                     decimal_storage, dates, recording.notes);
+    ReadOptions options = given;
+    if (dates) options.units += options.units.empty() ? "t=s" : ",t=s";
     const Layout layout = layout_of(text, options, sensor_hint);
     if (layout.columns.empty()) return;
     recording.format = layout.format;

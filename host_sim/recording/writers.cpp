@@ -47,9 +47,10 @@ std::uint32_t microseconds(std::int64_t t_ns) {
 
 }  // namespace
 
-std::string to_poses_csv(const std::vector<Pose>& poses) {
+std::string to_poses_csv(const std::vector<Pose>& poses, const Steps& progress) {
     std::string out = "t_ns,px,py,pz,qw,qx,qy,qz\n";
     for (const Pose& pose : poses) {
+        if (progress) progress(static_cast<std::size_t>(&pose - poses.data()), poses.size());
         append(out, "%lld", static_cast<long long>(pose.t_ns));
         const Vec3& p = pose.p_w_m;
         const Quat& q = pose.q_wb;
@@ -143,12 +144,13 @@ void append_imu_csv(std::string& out, std::uint32_t fields, const Sample& s, con
     out += '\n';
 }
 
-std::string to_imu_csv(const Recording& recording) {
+std::string to_imu_csv(const Recording& recording, const Steps& progress) {
     const std::uint32_t fields = imu_fields(recording);
     const bool has_moving = std::any_of(recording.moving.begin(), recording.moving.end(),
                                         [](std::uint8_t m) { return m != 0; });
     std::string out = imu_csv_header(fields, has_moving);
     for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+        if (progress) progress(i, recording.samples.size());
         const bool moving = i < recording.moving.size() && recording.moving[i] != 0;
         append_imu_csv(out, fields, recording.samples[i],
                        i < recording.truth.size() ? recording.truth[i] : Pose{},
@@ -225,14 +227,15 @@ std::string to_trk(const Recording& recording) {
     return out;
 }
 
-std::string to_file(const Recording& recording, const std::string& path) {
+std::string to_file(const Recording& recording, const std::string& path, const Steps& progress) {
     const std::size_t dot = path.find_last_of('.');
     const std::string extension = dot == std::string::npos ? "" : path.substr(dot);
     const bool imu = !recording.samples.empty();
     if (extension == ".imu" && imu) return to_imu(recording);
     if (extension == ".trk" && !imu) return to_trk(recording);
     if (extension == ".tum" && !imu) return to_tum(recording.poses);
-    if (extension == ".csv") return imu ? to_imu_csv(recording) : to_poses_csv(recording.poses);
+    if (extension == ".csv")
+        return imu ? to_imu_csv(recording, progress) : to_poses_csv(recording.poses, progress);
     throw BadSpec(path + ": " + (imu ? "IMU samples are" : "poses are") + " written as " +
                   (imu ? ".imu or .csv" : ".trk, .tum or .csv"));
 }

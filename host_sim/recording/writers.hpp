@@ -10,7 +10,7 @@
 namespace fairlead::sim {
 
 /// t_ns,px,py,pz,qw,qx,qy,qz with 9 significant digits; an invalid channel has empty fields.
-std::string to_poses_csv(const std::vector<Pose>& poses);
+std::string to_poses_csv(const std::vector<Pose>& poses, const Steps& progress = {});
 
 /// t tx ty tz qx qy qz qw. Lines for the poses in which every channel that occurs in `poses` at all
 /// is valid; a channel that never occurs is written as zero position or identity.
@@ -22,7 +22,7 @@ std::string to_tum(const std::vector<Pose>& poses);
 std::string imu_csv_header(std::uint32_t fields, bool moving = false);
 void append_imu_csv(std::string& out, std::uint32_t fields, const Sample& sample,
                     const Pose& reference = {}, const bool* moving = nullptr);
-std::string to_imu_csv(const Recording& recording);
+std::string to_imu_csv(const Recording& recording, const Steps& progress = {});
 
 /// #timestamp [ns],w...,a...: gyroscope and accelerometer alone, for programs that know no other.
 std::string to_euroc_imu(const std::vector<Sample>& samples);
@@ -36,7 +36,9 @@ std::string to_trk(const Recording& recording);  // poses
 
 /// Chooses by the extension: .imu .trk .tum .csv (IMU or poses, whichever the recording holds).
 /// Throws BadSpec where the format cannot hold such a recording.
-std::string to_file(const Recording& recording, const std::string& path);
+/// `progress`: called with records, of text.
+std::string to_file(const Recording& recording, const std::string& path,
+                    const Steps& progress = {});
 
 /// What the file of such a name leaves out of the recording, in words; empty: nothing.
 std::string left_out(const Recording& recording, const std::string& path);

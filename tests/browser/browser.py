@@ -55,6 +55,12 @@ class Browser:
     def errors(self):
         return [e["message"] for e in self.driver.get_log("browser") if e["level"] == "SEVERE"]
 
+    def memory(self):
+        """Bytes that the page's scripts and its buffers of numbers hold, after a collection."""
+        self.driver.execute_cdp_cmd("HeapProfiler.collectGarbage", {})
+        usage = self.driver.execute_cdp_cmd("Runtime.getHeapUsage", {})
+        return usage["usedSize"] + usage.get("backingStorageSize", 0)
+
     def shot(self, name):
         SHOTS.mkdir(parents=True, exist_ok=True)
         self.driver.save_screenshot(str(SHOTS / f"{name}.png"))

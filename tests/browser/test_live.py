@@ -4,6 +4,7 @@ import http.client
 import os
 import re
 import shutil
+import socket
 import subprocess
 import time
 import tty
@@ -133,6 +134,36 @@ def test_sixteen_viewers_and_no_more(folder):
         while time.monotonic() < start + 2:
             seen += open_ones[0][1].readline().startswith(b"data: {")
         assert seen > 20, seen
+
+
+def test_a_viewer_that_sleeps_is_dropped(folder):
+    """It takes no byte: its place is free as soon as the kernel's buffers are full for five seconds."""
+    with Live("--replay", replayed(folder), "--loop") as live:
+        sleepers = []
+        for _ in range(16):
+            sleeper = socket.socket()
+            sleeper.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+            sleeper.connect(("127.0.0.1", live.port))
+            sleeper.sendall(b"GET /values HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
+            assert sleeper.recv(12) == b"HTTP/1.1 200", "a place"
+            sleepers.append(sleeper)
+        connection, response = ask(live.port, "GET", "/values")
+        assert response.status == 503, response.status
+        connection.close()
+        start, status = time.monotonic(), 503
+        while status != 200 and time.monotonic() < start + 60:
+            time.sleep(0.5)
+            connection, response = ask(live.port, "GET", "/values")
+            status = response.status
+            if status == 200:
+                assert response.readline().startswith(b"data: {"), "a new viewer is served"
+            connection.close()
+        waited = time.monotonic() - start
+        assert status == 200, "nobody was dropped"
+        assert waited > 3, f"dropped after {waited:.1f} s: that is no patience"
+        print(f"dropped after {waited:.0f} s")
+        for sleeper in sleepers:
+            sleeper.close()
 
 
 if __name__ == "__main__":

@@ -206,8 +206,11 @@ def test_a_long_recording_stays_small_and_opens_fast(folder):
         seconds, size = page.run("return report.data.end"), (folder / "report.html").stat().st_size
         assert seconds > 180 and size < 4e6 * seconds / 194, (seconds, size)
         zoom = page.run("const t = performance.now(); report.group.setWindow(20, 30); return performance.now() - t")
-        figures = (f"{seconds:.0f} s of an IMU: {size / 1e6:.2f} MB, ready after "
-              f"{page.run('return document.documentElement.dataset.ready')} ms, a zoom takes {zoom:.0f} ms\n")
+        ready = float(page.run("return document.documentElement.dataset.ready"))
+        memory = page.memory()
+        assert ready < 20000 and 1e6 < memory < 400e6, (ready, memory)
+        figures = (f"{seconds:.0f} s of an IMU: {size / 1e6:.2f} MB, ready after {ready:.0f} ms, "
+                   f"a zoom takes {zoom:.0f} ms, {memory / 1e6:.0f} MB of the browser's memory\n")
         (SHOTS / "figures.txt").write_text(figures)
 
 

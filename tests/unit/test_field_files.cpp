@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -227,10 +228,11 @@ TEST(FieldFiles, WithoutAHeaderTheNumbersMustSettleIt) {
 }
 
 TEST(FieldFiles, QuaternionsWithoutAHeader) {
-    const auto rows = [](bool scalar_last, const char* separator, const char* unit) {
+    double middle = 0;  // about which angle the body turns
+    const auto rows = [&](bool scalar_last, const char* separator, const char* unit) {
         std::string text;
         for (int i = 0; i < 100; ++i) {
-            const double a = 0.3 * std::sin(i * 0.1);
+            const double a = middle + 0.3 * std::sin(i * 0.1);
             const std::string w = digits(std::cos(a)), x = digits(std::sin(a));
             const std::string s = separator;
             text += (*unit == 's' ? decimal(1700000000000 + 10 * i, 1000)
@@ -242,10 +244,23 @@ TEST(FieldFiles, QuaternionsWithoutAHeader) {
         return text;
     };
     EXPECT_GT(parse_recording(rows(true, " ", "s"), "x").poses[5].q_wb.w, 0.9f);
-    EXPECT_GT(parse_recording(rows(false, ",", "ns"), "x").poses[5].q_wb.w, 0.9f);
-    EXPECT_NE(refusal_of(rows(true, ",", "ns")).find("--columns"), std::string::npos);
-    EXPECT_NE(refusal_of(rows(true, ",", "s")).find("--columns"), std::string::npos);
     EXPECT_NE(refusal_of(rows(false, " ", "s")).find("--columns"), std::string::npos);
+    // CSV: no attitude of the body makes one order look like the other
+    for (const double about : {0.0, 0.8, 1.5707963}) {
+        middle = about;
+        for (const bool scalar_last : {true, false})
+            for (const char* unit : {"ns", "s"}) {
+                const std::string why = refusal_of(rows(scalar_last, ",", unit));
+                EXPECT_NE(why.find("--columns t_s,px,py,pz,qx,qy,qz,qw or t_s,px,py,pz,qw"),
+                          std::string::npos)
+                    << why;
+            }
+    }
+    middle = 0;
+    std::string euroc = rows(false, ",", "ns");  // velocity and biases follow
+    for (std::size_t at = 0; (at = euroc.find('\n', at)) != std::string::npos; at += 19)
+        euroc.insert(at, ",0,0,0,0,0,0,0,0,0");
+    EXPECT_GT(parse_recording(euroc, "x").poses[5].q_wb.w, 0.9f);
     ReadOptions options;
     options.columns = "t_s,px,py,pz,qx,qy,qz,qw";
     EXPECT_GT(parse_recording(rows(true, ",", "s"), "x", options).poses[5].q_wb.w, 0.9f);
@@ -340,6 +355,167 @@ TEST(FieldFiles, PhoneFilesAreMergedByTime) {
     EXPECT_THROW(read_recording(folder + "Gyroscope.csv", options), BadData) << "no overlap";
     EXPECT_NE(refusal_of(read_bytes(folder + "Gyroscope.csv"), {}, "x").find("x, y, z"),
               std::string::npos);
+}
+
+/// The kinds of docs/formats.md, "Files of these kinds", each written anew.
+TEST(FieldFiles, EveryKindOfTheTableIsReadRightlyOrRefusedWithARemedy) {
+    constexpr int n = 300;
+    const auto quat = [](int i) {
+        return std::array<double, 2>{std::cos(i * 0.002), std::sin(i * 0.002)};
+    };
+    // rows of poses: stamp, position, quaternion with the scalar last
+    const auto poses = [&](const std::string& separator,
+                           const std::function<std::string(int)>& before, double away,
+                           const std::string& after) {
+        std::string text;
+        for (int i = 0; i < n; ++i) {
+            const auto [w, z] = quat(i);
+            text += before(i);
+            for (const double v : {away + 0.01 * i, -away, 1.0, 0.0, 0.0, z, w})
+                text += separator + digits(v);
+            text += after + "\n";
+        }
+        return text;
+    };
+    const auto seconds = [](int i) { return decimal(1305031102000 + 20 * i, 1000); };
+    const auto right = [&](const std::string& text, double away = 0) {
+        const Recording r = parse_recording(text, "x");
+        ASSERT_EQ(r.poses.size(), std::size_t{n}) << text.substr(0, 80);
+        for (int i = 0; i < n; ++i) {
+            const Pose& p = r.poses[static_cast<std::size_t>(i)];
+            ASSERT_EQ(p.t_ns - r.poses[0].t_ns, std::int64_t{20000000} * i);
+            ASSERT_NEAR(static_cast<double>(p.q_wb.w), quat(i)[0], 1e-6);
+            ASSERT_NEAR(static_cast<double>(p.q_wb.z), quat(i)[1], 1e-6);
+            ASSERT_NEAR(static_cast<double>(p.p_w_m.x), away + 0.01 * i, 1e-7 * away + 1e-6);
+        }
+    };
+    const auto ns = [](int i) { return std::to_string(1305031102000000000 + 20000000LL * i); };
+    right("#timestamp [ns],tx,ty,tz,qx,qy,qz,qw\n" + poses(",", ns, 0, ""));
+    right("#sec,nsec,x,y,z,qx,qy,qz,qw\n" + poses(
+                                                ",",
+                                                [](int i) {
+                                                    return std::to_string(1305031102 + i / 50) +
+                                                           "," +
+                                                           std::to_string(20000000 * (i % 50));
+                                                },
+                                                0, ""));
+    right("#num,t,x,y,z,qx,qy,qz,qw\n" +
+          poses(
+              ",", [&](int i) { return std::to_string(i) + "," + seconds(i); }, 0, ""));
+    right("# timestamp(s) tx ty tz qx qy qz qw Pr11 Pr12 Pr13 Pr22 Pr23 Pr33 Pt11 Pt12\n" +
+          poses(" ", seconds, 0, " 0 0 0 0 0 0 0 0"));
+    right(poses(" ", seconds, 0, " 0 0 0 0 0 0 0 0"));
+    right("\xEF\xBB\xBF" + poses(" ", seconds, 0, ""));
+    right("timestamp tx ty tz qx qy qz qw\n" + poses(" ", seconds, 0, ""));
+    right(poses(" ", seconds, 5000, ""), 5000);
+    right(poses(" ", seconds, 30000, ""), 30000);
+    right(utf16(poses(" ", seconds, 0, ""), true));
+    const std::string plain = poses(" ", seconds, 0, "");
+    std::size_t in_line_226 = 0;
+    for (int i = 0; i < 225; ++i) in_line_226 = plain.find('\n', in_line_226) + 1;
+    const std::string cut = utf16(plain.substr(0, in_line_226 + 24), true);
+    const std::string why = refusal_of(cut);
+    EXPECT_NE(why.find("line 226"), std::string::npos) << why;
+    EXPECT_NE(why.find("--salvage"), std::string::npos) << why;
+    EXPECT_NE(refusal_of(poses(
+                             " ", [](int) { return std::string{"1.30503e+09"}; }, 0, ""))
+                  .find("--rate HZ"),
+              std::string::npos);
+
+    const auto samples = turning(n, 1403636579758555392, 5000000);
+    const auto imu = [&](const std::string& header, std::int64_t per_unit, const std::string& sep,
+                         bool accel_first, const std::string& after) {
+        std::string text = header + "\n";
+        for (const Sample& s : samples) {
+            text += std::to_string(per_unit == 1 ? s.t_ns
+                                                 : 1000000 + (s.t_ns - samples[0].t_ns) / per_unit);
+            for (const Vec3& v : {accel_first ? s.accel_m_s2 : s.gyro_rad_s,
+                                  accel_first ? s.gyro_rad_s : s.accel_m_s2})
+                for (const float x : {v.x, v.y, v.z}) text += sep + digits(static_cast<double>(x));
+            text += after + "\n";
+        }
+        return text;
+    };
+    const auto sensed = [&](const std::string& text, const char* note, float temperature = 0) {
+        const Recording r = parse_recording(text, "x");
+        ASSERT_EQ(r.samples.size(), samples.size()) << text.substr(0, 80);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            ASSERT_EQ(r.samples[i].t_ns - r.samples[0].t_ns, samples[i].t_ns - samples[0].t_ns);
+            ASSERT_LT(apart(r.samples[i].gyro_rad_s, samples[i].gyro_rad_s), 1e-5);
+            ASSERT_LT(apart(r.samples[i].accel_m_s2, samples[i].accel_m_s2), 1e-4);
+            if (temperature > 0) {
+                ASSERT_EQ(r.samples[i].temperature_c, temperature);
+            }
+        }
+        if (*note != 0) {
+            EXPECT_TRUE(says(r.notes, note)) << text.substr(0, 80);
+        }
+    };
+    sensed(imu("#time,ax,ay,az,gx,gy,gz", 1, ",", true, ""), "are taken as ns");
+    sensed(imu("timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z", 1, ",", false, ""),
+           "are taken as ns");
+    sensed(imu("#timestamp ms,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z", 1000000, ",", false,
+               ""),
+           "");
+    sensed(imu("#timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z", 1000, ",", false, ""),
+           "are taken as us");
+    sensed(imu("#timestamp;wx;wy;wz;ax;ay;az", 1, ";", false, ""), "are taken as ns");
+    sensed(imu("#timestamp [ns],wx,wy,wz,ax,ay,az,temperature [degC]", 1, ",", false, ",31.5"), "",
+           31.5f);
+    // a spreadsheet's 15 digits: read, and what is left of the time is told
+    std::string excel = "#timestamp [ns],w_RS_S_x [rad s^-1],w_y,w_z,a_x [m s^-2],a_y,a_z\n";
+    for (const Sample& s : samples) {
+        char stamp[40];
+        std::snprintf(stamp, sizeof stamp, "%.14E", static_cast<double>(s.t_ns));
+        excel += std::string(stamp) + ",0,0,0,0,0,9.8\n";
+    }
+    const Recording spread = parse_recording(excel, "x");
+    ASSERT_EQ(spread.samples.size(), samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        EXPECT_LE(std::llabs(spread.samples[i].t_ns - samples[i].t_ns), 5000);
+    EXPECT_TRUE(says(spread.notes, "steps of 1e-5 s"));
+}
+
+TEST(FieldFiles, DatesOfTheCalendarAreTimes) {
+    const auto first_ns = [](const std::string& stamp, const std::string& next) {
+        const std::string rest = ",0.1,0.2,0.3,0,0,9.8\n";
+        const std::string header = "time [ms],gx,gy,gz,ax,ay,az\n";  // a date is no millisecond
+        const Recording read = parse_recording(header + stamp + rest + next + rest, "x");
+        EXPECT_TRUE(says(read.notes, "dates of the calendar"));
+        EXPECT_EQ(read.t_ns(1) - read.t_ns(0), 10000000) << stamp;
+        return read.t_ns(0);
+    };
+    EXPECT_EQ(first_ns("2023-05-01T12:34:56.123456789Z", "2023-05-01T12:34:56.133456789Z"),
+              1682944496123456789);
+    EXPECT_EQ(first_ns("2023-05-01 14:34:56.5+02:00", "2023-05-01 14:34:56.510+02:00"),
+              1682944496500000000);
+    EXPECT_EQ(first_ns("\"2023-05-01T07:04:56.5-0530\"", "\"2023-05-01T07:04:56.51-0530\""),
+              1682944496500000000);
+    EXPECT_EQ(first_ns("2024-02-29T23:59:59.995", "2024-03-01T00:00:00.005"), 1709251199995000000);
+    EXPECT_EQ(first_ns("1970/01/01 00:00:00", "1970/01/01 00:00:00.01"), 0);
+    // blanks between the columns, a comma in the numbers, a file of times
+    EXPECT_EQ(parse_recording("2023-05-01 12:34:56 1 2 3 0 0 0 1\n"
+                              "2023-05-01 12:34:56.02 1 2 3 0 0 0 1\n",
+                              "x")
+                  .t_ns(1),
+              1682944496020000000);
+    EXPECT_EQ(parse_recording("time;gx;gy;gz;ax;ay;az\n"
+                              "2023-05-01T12:34:56,5;0,1;0;0;0;0;9,8\n"
+                              "2023-05-01T12:34:56,6;0,1;0;0;0;0;9,8\n",
+                              "x")
+                  .t_ns(0),
+              1682944496500000000);
+    // what is no date is refused in its place
+    for (const char* bad : {"2023-02-29T00:00:00", "2023-13-01T00:00:00", "2023-05-01T24:00:00",
+                            "2023-05-01T12:34:56+25:00", "1969-12-31T23:59:59", "2023-05-01"}) {
+        const std::string why = refusal_of(
+            "time,gx,gy,gz,ax,ay,az\n"
+            "2023-05-01T12:34:56Z,0,0,0,0,0,9.8\n"
+            "2023-05-01T12:34:57Z,0,0,0,0,0,9.8\n" +
+            std::string(bad) + ",0,0,0,0,0,9.8\n");
+        EXPECT_NE(why.find("line 4, column 1 (time): '" + std::string(bad)), std::string::npos)
+            << why;
+    }
 }
 
 TEST(FieldFiles, MissingReadingsAreNoMeasurement) {

@@ -13,11 +13,11 @@ double clock_s = 0;
 double now() { return clock_s; }
 
 /// What a run of `seconds` writes that counts 100 records a second, of 2000.
-std::string written(bool terminal, double seconds, std::size_t total = 2000) {
+std::string written(bool terminal, double seconds, std::size_t total = 2000, double begun_s = -1) {
     std::FILE* file = std::tmpfile();
     clock_s = 50;
     {
-        Progress progress{"replay", total, "records", {file, terminal, now}};
+        Progress progress{"replay", total, "records", {file, terminal, now, begun_s}};
         for (std::size_t done = 0; clock_s < 50 + seconds; ++done, clock_s += 0.01)
             progress.show(done);
     }
@@ -33,6 +33,13 @@ std::string written(bool terminal, double seconds, std::size_t total = 2000) {
 TEST(Progress, IsSilentForShortWorkAndInAPipe) {
     EXPECT_EQ(written(true, 1.9), "");
     EXPECT_EQ(written(false, 15), "");
+}
+
+TEST(Progress, CountsTheTwoSecondsFromTheCommandsStart) {
+    const double start_s = 50;
+    EXPECT_NE(written(true, 1, 2000, start_s - 5), "") << "the third stage of a long command";
+    EXPECT_EQ(written(true, 0.15, 2000, start_s - 5), "") << "a stage that is done at once";
+    EXPECT_EQ(written(true, 0.9, 2000, start_s - 1), "");
 }
 
 TEST(Progress, TellsShareRateAndTimeLeft) {

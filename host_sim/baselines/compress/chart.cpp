@@ -41,12 +41,12 @@ State Chart::sample(const Track& track, std::size_t i) const {
     return out;
 }
 
-Step scaled(const Steps& n, double grid) {
+Step scaled(const GridSteps& n, double grid) {
     return {grid * static_cast<double>(n[0]), grid * static_cast<double>(n[1]),
             grid * static_cast<double>(n[2])};
 }
 
-Steps rounded(const Step& step, double grid) {
+GridSteps rounded(const Step& step, double grid) {
     return {std::lround(step[0] / grid), std::lround(step[1] / grid), std::lround(step[2] / grid)};
 }
 

@@ -9,9 +9,9 @@
 
 namespace fairlead::sim {
 
-using State = std::array<double, 4>;  // x y z 0, or w x y z
-using Step = std::array<double, 3>;   // m, or rad
-using Steps = std::array<long, 3>;    // the same in units of a grid
+using State = std::array<double, 4>;    // x y z 0, or w x y z
+using Step = std::array<double, 3>;     // m, or rad
+using GridSteps = std::array<long, 3>;  // the same in units of a grid
 
 struct Chart {
     Channel channel{};
@@ -21,8 +21,8 @@ struct Chart {
     State sample(const Track& track, std::size_t i) const;
 };
 
-Step scaled(const Steps& n, double grid);
-Steps rounded(const Step& step, double grid);
+Step scaled(const GridSteps& n, double grid);
+GridSteps rounded(const Step& step, double grid);
 
 /// What a restart sends: the record's number (16 bits) and a value that stands alone, positions on
 /// a grid, orientations as their smallest three components, so fine that it errs by less than

@@ -29,7 +29,7 @@ class Loop {
                 step_ = plus(step_, times(past_[j], weights_[j]));
         return predicted_ = chart_.moved(base_, step_);
     }
-    const State& correct(const Steps& n) {
+    const State& correct(const GridSteps& n) {
         const Step correction = scaled(n, grid_);
         const State before = value_;
         value_ = chart_.moved(predicted_, correction);
@@ -79,7 +79,7 @@ Absolute absolute_of(const Track& track, double tolerance) {
     return {track, track.channel == Channel::position ? tolerance * (1 - 1e-9) : tolerance};
 }
 
-void put(Frame& frame, const Steps& n) {
+void put(Frame& frame, const GridSteps& n) {
     for (std::size_t d = 0; d < 3; ++d)
         frame.symbols.push_back({fold(n[d]), static_cast<std::uint8_t>(value_context + d), 0});
 }
@@ -107,9 +107,10 @@ std::vector<Frame> encode(const Track& track, double tolerance, const Predictive
         }
         std::uint32_t run = 0;
         for (; i < frame.end; ++i) {
-            const Steps n = rounded(chart.difference(loop.predict(), chart.sample(track, i)), grid);
+            const GridSteps n =
+                rounded(chart.difference(loop.predict(), chart.sample(track, i)), grid);
             loop.correct(n);
-            if (params.runs && n == Steps{}) {
+            if (params.runs && n == GridSteps{}) {
                 ++run;
                 continue;
             }
@@ -140,7 +141,7 @@ std::vector<State> decode(const std::vector<Frame>& frames, const Track& track, 
                 out.push_back(loop.correct({}));
             }
             if (out.size() >= frame.end) break;
-            const Steps n{unfold(next[0].value), unfold(next[1].value), unfold(next[2].value)};
+            const GridSteps n{unfold(next[0].value), unfold(next[1].value), unfold(next[2].value)};
             next += 3;
             loop.predict();
             out.push_back(loop.correct(n));

@@ -19,13 +19,13 @@ class Prediction {
   public:
     explicit Prediction(const SegmentParams& params) : params_{params} {}
     void restart() { speed_ = {}; }
-    Steps steps(std::size_t length) const {
+    GridSteps steps(std::size_t length) const {
         if (params_.pieces == Pieces::dead_band) return {};
         Step out = speed_;
         for (double& v : out) v *= params_.slope_share * static_cast<double>(length);
         return rounded(out, 1);
     }
-    void see(const Steps& n, std::size_t length) {
+    void see(const GridSteps& n, std::size_t length) {
         speed_ = scaled(n, 1 / static_cast<double>(length));
     }
     std::uint8_t context(std::size_t axis, std::size_t length) const {
@@ -42,7 +42,7 @@ class Prediction {
 
 void put(Frame& frame, Prediction& prediction, const Segment& segment, std::size_t length) {
     frame.symbols.push_back({static_cast<std::uint32_t>(length - 1), length_context, 0});
-    const Steps expected = prediction.steps(length);
+    const GridSteps expected = prediction.steps(length);
     for (std::size_t d = 0; d < 3; ++d)
         frame.symbols.push_back(
             {fold(segment.n[d] - expected[d]), prediction.context(d, length), 0});

@@ -31,7 +31,7 @@ struct SegmentParams {
 
 struct Segment {
     std::size_t end{};  // its last record
-    Steps n{};          // grid steps from the value it starts with to its end, or to its constant
+    GridSteps n{};      // grid steps from the value it starts with to its end, or to its constant
 };
 
 /// What leaves together, before it is coded.

@@ -246,9 +246,20 @@ class KalmanStep {
         }
     }
 
-    /// The mean specific force: whatever the motion, it points up in the end.
+    /// The mean specific force: whatever the motion, it points up in the end. Where readings were
+    /// clipped it does not: the half of a motion that fits into the range would speak alone. So it
+    /// is taken anew once none has been clipped for force_s - verify_s.
     static void watch_force(State& s, const Params& params) noexcept {
         const auto& w = s.sums;
+        if (w.doubt_velocity2 > 0) {
+            s.force_m_s2 = {0, 0, real(gravity_m_s2)};
+            s.force_s = real((std::min)(params.verify_s - params.force_s, 0.0f));
+            s.tilted_s = 0;
+        }
+        if (s.force_s < 0) {
+            s.force_s += w.time;
+            return;
+        }
         const Real share = w.time / ((std::min)(s.force_s, real(params.force_s)) + w.time);
         const BasicVec3<Real> force =
             (1 / w.time) * BasicVec3<Real>{s.velocity_m_s[0] - s.velocity_from_m_s[0],
