@@ -100,14 +100,16 @@ std::vector<Known> known_layouts(const Numbering& n) {
 }
 
 /// The refusal: what there is, what it might be, and the option that settles it.
-[[noreturn]] void refuse(const Table& table, const std::vector<std::string>& fitting) {
+[[noreturn]] void refuse(const Table& table, const std::vector<std::string>& fitting,
+                         bool quaternion) {
     std::string why = "line " + std::to_string(table.first_number) + ": " +
                       std::to_string(table.columns) + " columns without a header; ";
     if (fitting.size() > 1) {
         why += "several layouts fit the numbers: ";
         for (const std::string& name : fitting) why += name + "; ";
     } else {
-        why += "no known layout fits the numbers; ";
+        why += quaternion ? "the last four are a quaternion, whose scalar may be first or last; "
+                          : "no known layout fits the numbers; ";
     }
     why += "say what the columns are, with - for one that is not used: ";
     switch (table.columns) {
@@ -163,7 +165,7 @@ Layout bare_layout(const Table& table, const Evidence& evidence, const ReadOptio
             layout.notes.push_back("the last " + std::to_string(more) + " columns are not used");
         layout.columns = std::move(columns);
     }
-    if (fitting.size() != 1) refuse(table, fitting);
+    if (fitting.size() != 1) refuse(table, fitting, table.columns == 8 && numbers.quaternion(4));
     return layout;
 }
 

@@ -254,6 +254,7 @@ TEST(FieldFiles, QuaternionsWithoutAHeader) {
                 EXPECT_NE(why.find("--columns t_s,px,py,pz,qx,qy,qz,qw or t_s,px,py,pz,qw"),
                           std::string::npos)
                     << why;
+                EXPECT_NE(why.find("scalar may be first or last"), std::string::npos) << why;
             }
     }
     middle = 0;
