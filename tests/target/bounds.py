@@ -7,6 +7,8 @@ import json
 import subprocess
 import sys
 
+import budgets
+
 TITLES = {"m0": "Cortex-M0", "m3": "Cortex-M3", "m4f": "Cortex-M4F", "m7": "Cortex-M7", "m33": "Cortex-M33",
           "microbit": "Cortex-M0 (microbit)", "rv32imac": "RISC-V rv32imac", "rv32imafc": "RISC-V rv32imafc"}
 COLUMNS = ("flash", "RAM", "stack used", "stack bound", "min", "mean", "worst found", "bound", "any operands", "flush worst")
@@ -20,8 +22,8 @@ streams are those of `tests/target/streams/`; [docs/target.md](docs/target.md) s
 - **flash, RAM**: bytes that the stage adds to an image without it, its state and its last output included, the stack not.
 - **stack used**: deepest use seen on a painted stack, in bytes. **stack bound**: deepest path through the linked code.
 - **min, mean, worst found**: instructions of one `push`, the call and every assertion included, counted in the emulator.
-  Instructions, not cycles. **bound**: the dearest path through the linked code that keeps the loop counts, the search's
-  slice of work, the bits of a frame, and within the compiler's own helpers (soft floating point) the counts of their branches. **any operands**: the same with every helper at
+  Instructions, not cycles. **bound**: the dearest path through the linked code that keeps the loop counts, what any push took for the
+  search and for frames, and within the compiler's own helpers (soft floating point) the counts of their branches. **any operands**: the same with every helper at
   the dearest operands there are, all at once.
 - **flush worst**: instructions of the dearest `flush`, which runs only at the end of a recording.
 - **latency**: in records. **error**: the largest on the streams hand-motion, rest-and-go and straight. Of arithmetic, against
@@ -122,7 +124,10 @@ def main():
     parser.add_argument("--rows", action="store_true", help="check the given stages and cores alone")
     options = parser.parse_args()
     text = table(options.build, options.subjects, options.cores)
-    failures = list(loose(options.build, options.subjects, options.cores))
+    if not options.rows:
+        text += budgets.tables(options.build)
+    failures = [] if options.rows else budgets.exceeded(options.build)
+    failures += loose(options.build, options.subjects, options.cores)
     if options.accept:
         with open("BOUNDS.md", "w") as file:
             file.write(text)

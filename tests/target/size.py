@@ -5,6 +5,7 @@ import argparse
 import re
 import sys
 
+import budgets
 import elf
 
 
@@ -21,7 +22,6 @@ def readme(path, sentence, accept):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--flash-max", type=int, default=48 * 1024)
     parser.add_argument("--ram-max", type=int, default=16 * 1024)
     parser.add_argument("--readme", required=True)
     parser.add_argument("--accept", action="store_true", help="write the figures into the README")
@@ -40,14 +40,16 @@ def main():
     print("firmware on Cortex-M4F: flash %s bytes, RAM %s bytes (static %s, stack at most %s)" % figures)
     broken += readme(options.readme, "On a Cortex-M4F it takes %s bytes of flash and %s bytes of RAM: %s static, %s of stack "
                      "at most." % figures, options.accept)
-    for name, value, limit in (("flash", flash, options.flash_max), ("RAM", ram, options.ram_max)):
+    target, budget = budgets.read()["flash_firmware"][:2]
+    for name, value, limit in (("flash", flash, budget), ("RAM", ram, options.ram_max)):
         if value > limit:
             broken.append("%s is %d bytes, the limit is %d" % (name, value, limit))
     for b in broken:
         print("FAIL firmware: " + b)
     if broken:
         sys.exit(1)
-    print("ok firmware fits in %d KB flash and %d KB RAM, without heap" % (options.flash_max // 1024, options.ram_max // 1024))
+    print("ok firmware fits in %d bytes of flash (the target is %d) and %d KB RAM, without heap" %
+          (budget, target, options.ram_max // 1024))
 
 
 if __name__ == "__main__":
