@@ -197,6 +197,9 @@ $(addprefix $(BUILD)/fuzz/,recording read_text read_binary read_events): $(RECOR
 $(BUILD)/fuzz/config: $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp toml_parser.cpp) \
                       $(addprefix $(BUILD)/,libgateway.a libport.a libsim.a)
 $(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
+$(BUILD)/fuzz/modbus_rtu: port/linux/modbus.cpp port/linux/modbus_rtu.cpp port/linux/modbus_net.cpp port/linux/serial.cpp
+$(BUILD)/fuzz/modbus_rtu: FUZZ_LIBS := -lmodbus -lutil
+$(BUILD)/fuzz/follower: $(addprefix examples/gateway/,follower.cpp span_maker.cpp)
 .PHONY: fuzz mutants pipeline-search
 STREAMS ?= 1000
 SEED    ?= 1
