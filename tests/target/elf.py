@@ -80,7 +80,8 @@ def arm_step(instruction, literals):
     if by_register and name in ("add", "sub") and by_register[1] in literals:
         value = literals[by_register[1]]
         return Step(-value if name == "add" else value)
-    if re.match(r"sp,|sp$", text) and name[:3] not in ("str", "cmp", "tst"):
+    stores_there = name[:3] in ("stm", "ldm") and text.startswith("sp, {")  # without write-back
+    if re.match(r"sp,|sp$", text) and name[:3] not in ("str", "cmp", "tst") and not stores_there:
         return Step(trouble="moves the stack pointer by an unknown amount: " + name + " " + text)
     if name in ("bl", "blx"):
         callee = target_of(text)
