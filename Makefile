@@ -271,12 +271,14 @@ deb: gateway record sim live ## [deb] build the Debian package of the programs, 
 	@lintian --fail-on error $(BUILD)/fairlead_*.deb
 
 ##@ Measure, and write the tables of the documentation
-.PHONY: bench bench-smooth bench-peers compare experiments attitude-table attitude-day attitude-counts
+.PHONY: bench bench-smooth bench-peers choosing compare experiments attitude-table attitude-day attitude-counts
 bench: bench-smooth ## [] time smoothing beside its rivals (also: bench-peers, compare, attitude-table)
 bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing beside gradient descent and fairing
 	$<
 bench-peers: $(BUILD)/bench-peers sim ## [peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
 	$< --page docs/peers.md --control-points host_sim/bench_peers/control_points.csv --sweep host_sim/bench_peers/sweep.csv
+choosing: sim ## [script] what each choice costs: rewrites the tables of docs/choosing.md (a minute)
+	@host_sim/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md
 compare: sim ## [demo] our causal filters beside their rivals, on all recordings: the tables and plot of docs/choose.md (minutes)
 	$(BUILD)/fairlead-sim compare $(wildcard $(RECORDINGS)/tracker120/*.trk) --seconds 12 --page docs/choose.md --out $(BUILD)/compare
 	@cp $(BUILD)/compare/compare_06*.svg docs/img/compare.svg

@@ -1,9 +1,10 @@
-// The frame of the example in docs/reducer.md.
-#include "fairlead/wire/encoder.hpp"
+// The board of the example in docs/reducer.md.
+#include "fairlead/pipeline2.hpp"
 
-void send(const fairlead::Bytes& frames);
-
-void example(const fairlead::Pose& pose) {
+// behind the header, which it needs
 #include "example.inc"
-    send(frames);
+
+fairlead::Bytes example(const fairlead::Pose& pose) {
+    fairlead::Pipeline2<Board> pipeline{{}};
+    return pipeline.push(pose);
 }

@@ -1,9 +1,18 @@
-// The frame of the second example in docs/reducer.md.
-#include "example_headers.inc"
+// The pipeline of the example in docs/reducer.md.
+#include "fairlead/pipeline2.hpp"
 
-void show(const fairlead::Vec3& position, const fairlead::Vec3& velocity, const fairlead::Quat& q,
-          const fairlead::Vec3& rate);
+struct Board {
+    using Input = fairlead::Pose;
+    using Channels = fairlead::Channels<fairlead::Position, fairlead::Orientation>;
+    using Filter = fairlead::NoFilter;
+    static constexpr std::size_t delay_records_max = 120;
+    static constexpr fairlead::Beam beam = fairlead::Beam::medium;
+    static constexpr std::size_t events_max = 0;
+};
 
-void example(const std::uint8_t* bytes, std::size_t size, std::int64_t t_ns) {
+void send(const fairlead::Bytes& frames);
+
+void example(const fairlead::Pose& pose) {
 #include "example.inc"
+    send(frames);
 }
