@@ -22,6 +22,11 @@ def read(path=PATH):
     return {name: (int(target), int(budget), what.strip()) for name, target, budget, what in rows}
 
 
+def of_the_stream(stage):
+    """Encoders and pipelines: how tight their bounds are is a budget."""
+    return stage.startswith(("encode_", "pipeline_"))
+
+
 def figures(build):
     """{name: the figure now}."""
     def stage(name):
@@ -30,11 +35,13 @@ def figures(build):
     def flash(name):
         return elf.sizes("%s/small/%s.elf" % (build, name), PREFIX)[0]
     both = stage("encode_medium_120")
+    pushes = [stage(line.split()[0])["push"] for line in open("tests/target/stages") if of_the_stream(line)]
     return {"push_mean": int(both["push"]["mean"] + 0.5), "push_dearest": both["push"]["max"], "ram_both_120": both["ram"],
             "ram_orientation_120": stage("encode_orientation_120")["ram"],
             "ram_orientation_32": stage("encode_orientation_32")["ram"], "ram_decoder": stage("decode")["ram"],
             "flash_firmware": elf.sizes(build + "/firmware/firmware.elf", PREFIX)[0],
-            "flash_decoder": flash("decode") - flash("none")}
+            "flash_decoder": flash("decode") - flash("none"),
+            "bound_percent": max(-(-100 * p["bound"] // p["max"]) for p in pushes)}
 
 
 def parts(build):
