@@ -273,6 +273,8 @@ class BasicAttitude {
         settled = settled && !s_.doubted && !Kalman::force_is_off(s_, params_.force_tilt);
         if (!settled) flags |= flag::settling;
         s_.flags = static_cast<std::uint16_t>(flags);
+        s_.tilted_s =
+            Kalman::force_is_off(s_, params_.force_lost) ? s_.tilted_s + s_.means.time : 0;
         if (contradicted()) Kalman::lose_orientation(s_);
         if (tilt_variance() > squared(lost) && s_.blind_s <= 0) {
             s_.phase = AttitudePhase::aligning;
@@ -371,6 +373,7 @@ class BasicAttitude {
         const auto speed = static_cast<Real>(params_.velocity_m_s);
         s_.sums.lift += dt * static_cast<Real>(gravity_m_s2);
         s_.sums.doubt_velocity2 += 2 * speed * speed * dt / static_cast<Real>(params_.velocity_s);
+        Kalman::suspend_force(s_, params_);
     }
 
     /// Of the magnetometer. Zero is not a field: a part that does not answer reads so.

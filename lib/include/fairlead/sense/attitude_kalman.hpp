@@ -65,6 +65,15 @@ class KalmanStep {
         s.doubted = true;
     }
 
+    /// A reading was clipped, or is missing: the half of a motion that fits into the range would
+    /// speak alone. The mean force is taken anew once all have been whole for force_s - verify_s.
+    [[gnu::noinline, gnu::cold]] static void suspend_force(State& s,
+                                                           const Params& params) noexcept {
+        s.force_m_s2 = {0, 0, real(gravity_m_s2)};
+        s.force_s = real((std::min)(params.verify_s - params.force_s, 0.0f));
+        s.tilted_s = 0;
+    }
+
     /// Before levelling: nothing is known, which is what a report shall say.
     static void lose_orientation(State& s) noexcept {
         constexpr Real tilt_variance = 1;  // 57 degrees
@@ -246,16 +255,10 @@ class KalmanStep {
         }
     }
 
-    /// The mean specific force: whatever the motion, it points up in the end. Where readings were
-    /// clipped it does not: the half of a motion that fits into the range would speak alone. So it
-    /// is taken anew once none has been clipped for force_s - verify_s.
+    /// The mean specific force: whatever the motion, it points up in the end. Not while force_s is
+    /// negative: see suspend_force.
     static void watch_force(State& s, const Params& params) noexcept {
         const auto& w = s.sums;
-        if (w.doubt_velocity2 > 0) {
-            s.force_m_s2 = {0, 0, real(gravity_m_s2)};
-            s.force_s = real((std::min)(params.verify_s - params.force_s, 0.0f));
-            s.tilted_s = 0;
-        }
         if (s.force_s < 0) {
             s.force_s += w.time;
             return;
@@ -266,7 +269,6 @@ class KalmanStep {
                                            s.velocity_m_s[1] - s.velocity_from_m_s[1], w.lift};
         s.force_m_s2 += share * (force - s.force_m_s2);
         s.force_s += w.time;
-        s.tilted_s = force_is_off(s, params.force_lost) ? s.tilted_s + w.time : Real{0};
     }
 
     /// A quiet board: at rest, or in a slow turn? What a turn taught is undone.
