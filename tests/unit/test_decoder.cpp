@@ -9,26 +9,21 @@
 #include <random>
 #include <vector>
 
-#include "fairlead/pipeline.hpp"
 #include "fairlead/wire/decoder.hpp"
+#include "fairlead/wire/encoder.hpp"
 
 namespace {
 
 using namespace fairlead;
 using Bytes8 = std::vector<std::uint8_t>;
 
-struct Config : PipelineConfig {
-    static constexpr std::size_t window = 32;
-    static constexpr std::size_t events = 4;
-};
-
 /// A stream of curves, restarts and events of every second or so.
 Bytes8 stream(unsigned seed) {
     std::mt19937 random{seed};
-    Pipeline<Config>::Params params;
-    params.encoder.delay_max = 30;
-    params.encoder.restart_interval_ns = 400'000'000;
-    const auto pipeline = std::make_unique<Pipeline<Config>>(params);
+    EncoderParams params;
+    params.delay_max = 30;
+    params.restart_interval_ns = 400'000'000;
+    const auto encoder = std::make_unique<Encoder<32, slice_medium, 4>>(params);
     Bytes8 out;
     const auto append = [&out](const Bytes& b) { out.insert(out.end(), b.data, b.data + b.size); };
     for (std::int64_t i = 0; i < 700; ++i) {
@@ -39,10 +34,10 @@ Bytes8 stream(unsigned seed) {
         pose.q_wb = from_rotation_vector(Vec3{0, static_cast<float>(std::sin(3 * x)), 0});
         pose.flags = flag::position_valid | flag::orientation_valid;
         if (random() % 20 == 0)
-            pipeline->push_event({pose.t_ns, static_cast<std::uint16_t>(random() % 3), 1, 0});
-        append(pipeline->push(pose));
+            encoder->push_event({pose.t_ns, static_cast<std::uint16_t>(random() % 3), 1, 0});
+        append(encoder->push(pose));
     }
-    for (Bytes b = pipeline->flush(); !b.empty(); b = pipeline->flush()) append(b);
+    for (Bytes b = encoder->flush(); !b.empty(); b = encoder->flush()) append(b);
     return out;
 }
 
@@ -51,7 +46,7 @@ struct Found {
     std::uint32_t skipped{0}, damaged{0};
 };
 
-/// What docs/formats.md says, tried at every byte, each checksum computed anew.
+/// What wire/layout.hpp says, tried at every byte, each checksum computed anew.
 Found plain_search(const Bytes8& bytes) {
     Found found;
     bool in_step = false;
