@@ -156,8 +156,8 @@ inline constexpr auto fields = rows({
     state<Type::u32, &UnitState::frames>(106, "health.frames", "", "good frames received"),
     state<Type::u32, &UnitState::frames_damaged>(
         108, "health.frames_damaged", "", "losses of step: damaged, missing or foreign frames"),
-    state<Type::u32, &UnitState::resyncs>(110, "health.resyncs", "",
-                                          "times that the reader came into step by a restart frame"),
+    state<Type::u32, &UnitState::resyncs>(
+        110, "health.resyncs", "", "times that the reader came into step by a restart frame"),
     state<Type::u32, &UnitState::opened>(112, "health.source_opened", "",
                                          "times that the line or the sensor was opened"),
     state<Type::u32, &UnitState::lost>(114, "health.source_lost", "", "times that it went away"),
