@@ -29,8 +29,7 @@ test::Report stream(std::uint64_t seed) {
     reduce2::Window window;
     window.records = 4 + below(below(3) != 0 ? 60 : 237);
     window.gap_ticks = 1 + below(64);
-    window.cost_max =
-        16 * (8 * 247 - 268 - (Vectors::column_bits_max + Rotations::column_bits_max));
+    window.cost_max = 16 * (8 * 247 - 268);
     Check check{reducer(),
                 curve::Grid::of_period(motion.t_ns, motion.period_ns),
                 {motion.tolerance, motion.tolerance_rad},

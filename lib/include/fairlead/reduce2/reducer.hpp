@@ -25,7 +25,7 @@ namespace fairlead::reduce2 {
 struct Window {
     std::int32_t records{114};   // a frame is committed before its oldest record waits longer
     std::int32_t gap_ticks{32};  // a longer pause of a channel ends its curve; <= 64
-    Cost cost_max{16 * 880};     // 1/16 bit; a frame ends where its cost passes this
+    Cost cost_max{16 * 1400};    // 1/16 bit; the cost of a frame does not pass this
 };
 
 /// A frame ends at the next column where its cost comes this near to the most: there its end is
@@ -113,8 +113,10 @@ class Reducer {
         if (!started_) restart_grid(t_ns);
         curve::Moment at = grid_.moment(t_ns, start_);
         std::int32_t column = grid_.column(t_ns, start_);
-        if (!committed && column_ > 0 && (column > frame_ticks_max || !reach(values, valid))) {
-            if (column <= frame_ticks_max) ++counts_.range;
+        const bool crowded = needs(1) > window_.cost_max;
+        if (!committed && column_ > 0 &&
+            (column > frame_ticks_max || crowded || !reach(values, valid))) {
+            if (column <= frame_ticks_max) ++(crowded ? counts_.cost : counts_.range);
             committed = commit(column_, seam, drain);
             at = grid_.moment(t_ns, start_);
             column = grid_.column(t_ns, start_);
@@ -123,7 +125,7 @@ class Reducer {
         ++behind_;
         const std::uint32_t due = take_due(column, valid);
         const bool offers = due != 0 && !committed;
-        const bool nearly = cost() + full_soon > window_.cost_max;
+        const bool nearly = needs(1) + full_soon > window_.cost_max;
         const bool end = offers && (waiting_ >= window_.records || stalled() || nearly);
         bool starts = false;
         each([&](auto& channel, auto index) {
@@ -141,7 +143,7 @@ class Reducer {
             behind_ = later || starts ? 1 : 0;
         }
         if (committed) return true;
-        const bool full = cost() > window_.cost_max;
+        const bool full = needs(0) > window_.cost_max;
         if (offers && (end || full || stalled())) {
             if (full || nearly) ++counts_.cost;
             return commit(column_, seam, drain);
@@ -196,6 +198,15 @@ class Reducer {
     Cost cost() const noexcept {
         return std::apply([](auto&... c) { return (Cost{0} + ... + (c.active() ? c.cost() : 0)); },
                           channels_);
+    }
+    /// What the window costs with its next column, at most: a frame may have to end with it.
+    Cost needs(std::size_t more) const noexcept {
+        return cost() +
+               16 * std::apply(
+                        [more](auto&... c) {
+                            return (Cost{0} + ... + (c.active() ? c.next_column_bits(more) : 0));
+                        },
+                        channels_);
     }
     bool stalled() const noexcept {
         return std::apply([](auto&... c) { return (false || ... || (c.active() && c.stalled())); },

@@ -45,6 +45,15 @@ class VectorChannel {
     /// Bits that one column can add to a window, at most: a jump of each axis with a part for each
     /// of the closest samples.
     static constexpr Cost column_bits_max = D * jump_bits_max(1);
+    /// Bits that tell where a curve starts: values, and the frame's jump to that time.
+    static constexpr Cost start_bits_max = 5 + 27 * D + 77;
+    /// What the next column may add, with `more` samples than there are now, and what the start of
+    /// the curve costs.
+    Cost next_column_bits(std::size_t more) const noexcept {
+        const std::size_t samples = samples_.count() - samples_.count_to(column_tick_) + more;
+        return static_cast<Cost>(D) * jump_bits_max(1, samples > 0 ? samples : 1) +
+               (starts_ ? start_bits_max : 0);
+    }
 
     /// tolerance: largest error of an axis, in the values' unit; > 0.
     void configure(float tolerance) noexcept {

@@ -1,10 +1,9 @@
 #pragma once
 // Records in, frames out: the reducer, the frames that carry what it commits, headers, events.
 //
-// A frame that the reducer has committed is compared with its samples in the push that follows, and
-// coded in the one after, `spare` pushes later: no push does all the work of a frame. What
-// of the delay remains is the reducer's window. Header frames and event frames leave before data
-// frames of the same push.
+// A frame that the reducer has committed is compared with its samples, and then coded, in portions
+// over the next `spare` pushes: no push does all the work of a frame. What of the delay remains is
+// the reducer's window. Header frames and event frames leave before data frames of the same push.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -72,7 +71,7 @@ class Encoder {
     /// Pushes from the commit of a frame to its last byte, by the delay: short windows are coded at
     /// once.
     static constexpr std::uint32_t spare(std::uint32_t delay_records) noexcept {
-        return delay_records >= 24 ? 2 : 0;
+        return delay_records >= 48 ? 6 : delay_records >= 24 ? 2 : 0;
     }
     static constexpr std::size_t window_max = Records - spare(Records) + 1;
 
@@ -127,7 +126,7 @@ class Encoder {
         else if (coding_ && ++waited_ >= spare_)
             finish_frame();
         else if (coding_)
-            check_frame();
+            work_on_frame();
         if (coding_ && spare_ == 0) finish_frame();
         let_out_events(size_ > 0 ? 0 : params_.event_delay_records);
         return bytes();
@@ -181,20 +180,24 @@ class Encoder {
     // a frame that was being coded and one that a new run or a flush ends, each with a header
     static constexpr std::size_t out_max =
         2 * (data_frame_max + header_max) + EventSender<Events>::frame_max;
-    // Bits beside the pieces, at most. Head: restart 2, ticks 3 + 17, time 42, flag of the jump 1;
-    // of a channel: flags 13, two ticks 17, values of a vector (27 bits each) and slopes or values
-    // at the other end, two grids of a rotation (50 each) and slopes (77). A jump has 77 more, and
-    // no slopes, because no curve is live.
-    static constexpr std::size_t vector_bits =
-        (0 + ... + (Channels::axes > 0 ? 2 * (5 + 27 * Channels::axes) : 0));
-    static constexpr std::size_t overhead_bits = 65 + 30 * channel_count + vector_bits +
-                                                 100 * rotations +
-                                                 77 * (rotations > 0 ? rotations : 1);
+    /// Bits of a frame beside its pieces and what its curves tell where they start, at most. Head:
+    /// restart 2, ticks 3 + 17, time 42, flag of the jump 1; of a channel: flags 13, two ticks 17,
+    /// and its end: 27 for each axis of a vector, 50 for a rotation. An independent frame tells as
+    /// much at its start, and slopes: 27 for each axis, 77 for a rotation.
+    static constexpr std::size_t overhead_bits(bool independent) noexcept {
+        std::size_t bits = 65 + 30 * channel_count + 50 * rotations;
+        bits += (0 + ... + (Channels::axes > 0 ? 5 + 27 * Channels::axes : 0));
+        if (independent) bits += 127 * rotations;
+        if (independent) bits += (0 + ... + (Channels::axes > 0 ? 5 + 27 * Channels::axes : 0));
+        return bits;
+    }
 
     /// What one column of the search may add to a frame.
     static constexpr std::size_t column_bits =
         (0 + ... + Channels::template Channel<window_max>::column_bits_max);
-    static_assert(8 * payload_max > overhead_bits + column_bits + 400,
+    static constexpr std::size_t start_bits =
+        (0 + ... + Channels::template Channel<window_max>::start_bits_max);
+    static_assert(8 * payload_max > overhead_bits(true) + start_bits + column_bits + 100,
                   "the channels are too many for a frame");
 
     template <std::size_t... Index>
@@ -205,7 +208,9 @@ class Encoder {
         window.records = static_cast<std::int32_t>(params_.delay_records - spare_ + 1);
         const std::int64_t tick = curve::Grid::of_period(0, params_.sample_period_ns).tick_ns();
         window.gap_ticks = static_cast<std::int32_t>(limits(params_).gap_ns / tick);
-        window.cost_max = 16 * (8 * payload_max - overhead_bits - column_bits);
+        const bool independent = params_.restart_interval_ns == every_frame_ns;
+        window.cost_max =
+            static_cast<code::Cost>(16 * (8 * payload_max - overhead_bits(independent)));
         reducer_.configure(window);
     }
 
@@ -290,6 +295,7 @@ class Encoder {
         head.restart = frame.seam != reduce2::Seam::carry && frame.ticks > 0;
         coded_ = writer_.open(head);
         coding_ = true;
+        checked_ = false;
         waited_ = 0;
     }
     template <class Coder, std::size_t... Index>
@@ -338,9 +344,20 @@ class Encoder {
             grids_[range.first] = coder.told.grid[range.first];
         }
     }
-    void code_pieces() noexcept {
-        while (coded_ && !writer_.done())
+    /// A portion of the work: half of the pushes compare, the others code.
+    void work_on_frame() noexcept {
+        if (!checked_)
+            check_frame(window_max * 2 / spare_ + 1);
+        else
+            code_pieces(portion);
+    }
+    /// Pieces of so many components, or all that are left.
+    void code_pieces(std::size_t components) noexcept {
+        for (; coded_ && !writer_.done() && components > 0;) {
+            const std::size_t n = writer_.rotates() ? 3 : 1;
+            components -= n < components ? n : components;
             coded_ = code_piece(std::index_sequence_for<Channels...>{});
+        }
     }
     template <std::size_t... Index>
     bool code_piece(std::index_sequence<Index...>) noexcept {
@@ -357,13 +374,19 @@ class Encoder {
         return channel.next(track, piece) && writer_.piece(piece);
     }
 
-    /// Compares a portion of the committed frame's samples with its curve, as a decoder draws it.
-    /// @return true: all of them.
-    bool check_frame() noexcept { return check_frame(std::index_sequence_for<Channels...>{}); }
+    /// Compares so many samples of each track of the committed frame with its curve, as a decoder
+    /// draws it.
+    void check_frame(std::size_t samples) noexcept {
+        checked_ = check_frame(samples, std::index_sequence_for<Channels...>{});
+        if (checked_) rewind(std::index_sequence_for<Channels...>{});
+    }
     template <std::size_t... Index>
-    bool check_frame(std::index_sequence<Index...>) noexcept {
+    bool check_frame(std::size_t samples, std::index_sequence<Index...>) noexcept {
         bool all = true;
-        ((all = reducer_.template channel<Index>().check(samples_checked) && all), ...);
+        ((all = reducer_.template channel<Index>().check(
+                    samples * (Channels::axes > 0 ? Channels::axes : 1)) &&
+                all),
+         ...);
         return all;
     }
     template <std::size_t... Index>
@@ -374,15 +397,13 @@ class Encoder {
     std::uint32_t failures(std::index_sequence<Index...>) const noexcept {
         return (0u + ... + reducer_.template channel<Index>().failures());
     }
-    static constexpr std::size_t samples_checked = 64;
+    static constexpr std::size_t portion = 24;  // components of the pieces of a push
 
     void finish_frame() noexcept {
         if (!coding_) return;
         coding_ = false;
-        for (std::size_t i = 0; i < window_max && !check_frame(); ++i) {
-        }
-        rewind(std::index_sequence_for<Channels...>{});
-        code_pieces();
+        if (!checked_) check_frame(1u << 12);  // all of them
+        code_pieces(SIZE_MAX);
         const std::size_t size = coded_ ? writer_.close() : 0;
         reducer_.release();
         if (size == 0 || out_max - size_ < size + header_max + EventSender<Events>::frame_max) {
@@ -430,7 +451,7 @@ class Encoder {
     std::uint32_t spare_{0}, waited_{0};
     std::uint32_t frames_{0}, restarts_{0}, overflows_{0};
     std::uint16_t run_{0};
-    bool good_{false}, running_{false}, coding_{false}, coded_{false};
+    bool good_{false}, running_{false}, coding_{false}, coded_{false}, checked_{false};
 };
 
 }  // namespace fairlead::wire2
