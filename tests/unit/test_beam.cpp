@@ -71,7 +71,7 @@ TEST(Beam, AColumnIsNotOfferedBeforeASampleThatIsTaken) {
 double bits_at(double phase) {
     const auto period = std::int64_t{8'333'312};
     Check check{
-        reducer(), curve::Grid::of_period(0, period), {0.001f, 0.00436f}, {118, 32, 16 * 900}};
+        reducer(), curve::Grid::of_period(0, period), {0.001f, 0.00436f}, {118, 32, 16 * 1700}};
     for (int i = 0; i < 1200; ++i) {
         const double t = i * 0.0083333;
         const auto wave = [&](double rate, double size) {
