@@ -113,7 +113,8 @@ class Reducer {
         if (!started_) restart_grid(t_ns);
         curve::Moment at = grid_.moment(t_ns, start_);
         std::int32_t column = grid_.column(t_ns, start_);
-        const bool crowded = needs(1) > window_.cost_max;
+        const Cost ahead = needs(1);
+        const bool crowded = ahead > window_.cost_max;
         if (!committed && column_ > 0 &&
             (column > frame_ticks_max || crowded || !reach(values, valid))) {
             if (column <= frame_ticks_max) ++(crowded ? counts_.cost : counts_.range);
@@ -125,7 +126,7 @@ class Reducer {
         ++behind_;
         const std::uint32_t due = take_due(column, valid);
         const bool offers = due != 0 && !committed;
-        const bool nearly = needs(1) + full_soon > window_.cost_max;
+        const bool nearly = ahead + full_soon > window_.cost_max;
         const bool end = offers && (waiting_ >= window_.records || stalled() || nearly);
         bool starts = false;
         each([&](auto& channel, auto index) {
@@ -143,7 +144,7 @@ class Reducer {
             behind_ = later || starts ? 1 : 0;
         }
         if (committed) return true;
-        const bool full = needs(0) > window_.cost_max;
+        const bool full = offers && needs(0) > window_.cost_max;
         if (offers && (end || full || stalled())) {
             if (full || nearly) ++counts_.cost;
             return commit(column_, seam, drain);

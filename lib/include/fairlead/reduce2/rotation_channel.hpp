@@ -49,7 +49,7 @@ class RotationChannel {
     static constexpr Cost column_bits_max = jump_bits_max(3);
     static constexpr Cost start_bits_max = 50 + 77;  // a place of the grid, and the frame's jump
     Cost next_column_bits(std::size_t more) const noexcept {
-        const std::size_t samples = samples_.count() - samples_.count_to(column_tick_) + more;
+        const std::size_t samples = samples_.count() - firsts_[columns_] + more;
         return jump_bits_max(3, samples > 0 ? samples : 1) + (starts_ ? start_bits_max : 0);
     }
 

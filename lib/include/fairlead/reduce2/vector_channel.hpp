@@ -50,7 +50,7 @@ class VectorChannel {
     /// What the next column may add, with `more` samples than there are now, and what the start of
     /// the curve costs.
     Cost next_column_bits(std::size_t more) const noexcept {
-        const std::size_t samples = samples_.count() - samples_.count_to(column_tick_) + more;
+        const std::size_t samples = samples_.count() - column_samples_ + more;
         return static_cast<Cost>(D) * jump_bits_max(1, samples > 0 ? samples : 1) +
                (starts_ ? start_bits_max : 0);
     }

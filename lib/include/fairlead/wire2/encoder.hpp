@@ -235,6 +235,8 @@ class Encoder {
         describe(s, std::index_sequence_for<Channels...>{});
         header_.starts = true;
         header_ns_ = restart_ns_ = t_ns;
+        restart_after_ns_ =
+            params_.restart_interval_ns - grid_.tick_ns() * std::int64_t{s.timing.usual_ticks};
         put_header();
         writer_.begin_run(s, header_.digest, 0);
         header_.starts = false;
@@ -280,9 +282,8 @@ class Encoder {
         // first
         if (reducer_.frame().seam == reduce2::Seam::restart) return reduce2::Seam::carry;
         // the next frame, as long as a usual one, would end too late
-        const std::int64_t next =
-            t_ns - restart_ns_ + grid_.tick_ns() * std::int64_t{params_.delay_records - spare_};
-        return next > params_.restart_interval_ns ? reduce2::Seam::restart : reduce2::Seam::carry;
+        return t_ns - restart_ns_ > restart_after_ns_ ? reduce2::Seam::restart
+                                                      : reduce2::Seam::carry;
     }
 
     void open_frame() noexcept {
@@ -446,7 +447,7 @@ class Encoder {
     curve::Grid grid_{};
     std::array<curve::GridQuat, rotations> grids_{};
     std::array<std::uint8_t, out_max> out_{};
-    std::int64_t now_ns_{0}, header_ns_{0}, restart_ns_{0}, period_ns_{0};
+    std::int64_t now_ns_{0}, header_ns_{0}, restart_ns_{0}, restart_after_ns_{0}, period_ns_{0};
     std::size_t size_{0};
     std::uint32_t spare_{0}, waited_{0};
     std::uint32_t frames_{0}, restarts_{0}, overflows_{0};
