@@ -1,6 +1,6 @@
 // Bytes in, curve out: the far end of the wire keeps the newest pieces and evaluates them.
-#include <fairlead/pipeline2.hpp>
-#include <fairlead/wire2/live.hpp>
+#include <fairlead/pipeline.hpp>
+#include <fairlead/wire/live.hpp>
 
 #include "support.hpp"
 
@@ -14,7 +14,7 @@ struct Board {
 };
 
 /// The position at the end of what is final so far.
-void print_end(const fairlead::wire2::LiveDecoder<>& reader) {
+void print_end(const fairlead::wire::LiveDecoder<>& reader) {
     const auto t_ns = reader.position_until_ns();
     const auto motion = t_ns ? reader.position(*t_ns) : std::nullopt;
     if (!motion) return;
@@ -25,10 +25,10 @@ void print_end(const fairlead::wire2::LiveDecoder<>& reader) {
 }
 
 int main() {
-    fairlead::Pipeline2<Board>::Params params;
+    fairlead::Pipeline<Board>::Params params;
     params.sample_period_ns = 8'333'333;
-    fairlead::Pipeline2<Board> board{params};
-    fairlead::wire2::LiveDecoder<> reader;
+    fairlead::Pipeline<Board> board{params};
+    fairlead::wire::LiveDecoder<> reader;
     fairlead::Pose pose;
     while (next(pose)) {
         for (const std::uint8_t byte : board.push(pose))

@@ -1,5 +1,5 @@
 // Poses in, bytes out: a curve within tolerance of every record, each covered in time.
-#include <fairlead/pipeline2.hpp>
+#include <fairlead/pipeline.hpp>
 
 #include "support.hpp"
 
@@ -13,13 +13,13 @@ struct Board {
 };
 
 int main() {
-    fairlead::Pipeline2<Board>::Params params;
+    fairlead::Pipeline<Board>::Params params;
     params.sample_period_ns = 8'333'333;
     params.tolerance.position_m = 0.002f;      // each axis
     params.tolerance.orientation_rad = 0.01f;  // full rotation angle
     params.filter = Board::Filter{fairlead::binomial_mask<9>()};
 
-    fairlead::Pipeline2<Board> pipeline{params};
+    fairlead::Pipeline<Board> pipeline{params};
     if (!pipeline.check()) return 1;  // check().field names the parameter that is refused
     std::size_t sent = 0, records = 0;
     fairlead::Pose pose;

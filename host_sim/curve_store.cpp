@@ -51,7 +51,7 @@ Pose CurvePoint::rounded(std::int64_t t_ns) const {
 
 // ---- tracks
 
-void CurveTrack::add(const wire2::CurvePiece& piece, const curve::Grid& grid) {
+void CurveTrack::add(const wire::CurvePiece& piece, const curve::Grid& grid) {
     const bool ended_before = piece.ends && !piece.begins && piece.start == piece.end;
     if (ended_before) return;  // says that the curve is over, and holds nothing
     pieces_.push_back({piece, grid.time_ns(piece.start), grid.time_ns(piece.end),
@@ -99,7 +99,7 @@ std::vector<double> CurveChannel::value(std::int64_t t_ns) const {
 
 BasicQuat<double> CurveChannel::rotation(std::int64_t t_ns) const {
     const CurveTrack::Piece& piece = *tracks.at(0).at(t_ns);
-    return normalised(wire2::rotation_at(piece.of, piece.ticks(t_ns)));
+    return normalised(wire::rotation_at(piece.of, piece.ticks(t_ns)));
 }
 
 std::size_t CurveChannel::curves() const { return tracks.empty() ? 0 : tracks[0].curves(); }
@@ -189,10 +189,10 @@ StreamBytes stream_bytes(std::string_view stream) {
     while (at < stream.size()) {
         const std::uint8_t head = byte_at(stream, at);
         const bool header = head == 0xF8, event = head == 0xF9;
-        const bool data = head >= 1 && head <= wire2::payload_max;
+        const bool data = head >= 1 && head <= wire::payload_max;
         if (!(header || event || data) || (!data && at + 1 >= stream.size())) break;
         const std::size_t size =
-            data ? 1u + head + wire2::check_size : 2u + byte_at(stream, at + 1) + wire2::crc_size;
+            data ? 1u + head + wire::check_size : 2u + byte_at(stream, at + 1) + wire::crc_size;
         if (at + size > stream.size()) break;
         if (header && !out.version) out.version = byte_at(stream, at + 2);
         (header ? out.headers : event ? out.events : out.data) += size;
@@ -216,7 +216,7 @@ CurveRun& CurveStore::present_run() {
         run.tick_ns = decoder_.grid().tick_ns();
         const Decoder::Layout& layout = decoder_.layout();
         for (std::size_t c = 0; c < layout.channels; ++c) {
-            const wire2::TrackRange& range = layout.channel[c];
+            const wire::TrackRange& range = layout.channel[c];
             const curve::Scale& scale =
                 range.rotates ? layout.turn[range.first] : layout.scale[range.first];
             CurveChannel channel;
@@ -230,7 +230,7 @@ CurveRun& CurveStore::present_run() {
 }
 
 void CurveStore::take_frame() {
-    wire2::CurvePiece piece;
+    wire::CurvePiece piece;
     std::size_t before = decoder_.payload_read();
     while (decoder_.next(piece)) {
         present_run().channels.at(piece.channel).tracks.at(piece.axis).add(piece, decoder_.grid());
@@ -293,12 +293,12 @@ std::string CurveStore::why_empty() const {
     const StreamBytes start = stream_bytes(head_);
     if (start.earlier_format)
         return "a stream of an earlier format (versions 1 to 3); this is version " +
-               std::to_string(wire2::stream_version) +
+               std::to_string(wire::stream_version) +
                ". fairlead-sim decode --earlier reads it if it is of version 3";
     if (decoder_.refused() == Decoder::Refused::version)
         return "a stream of format version " +
                (start.version ? std::to_string(*start.version) : std::string{"unknown"}) +
-               "; this program reads version " + std::to_string(wire2::stream_version);
+               "; this program reads version " + std::to_string(wire::stream_version);
     if (decoder_.refused() == Decoder::Refused::shape)
         return "a stream of more channels than this program holds";
     return "byte 0: no frame of a fairlead stream";

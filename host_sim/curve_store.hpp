@@ -10,7 +10,7 @@
 
 #include "fairlead/base/types.hpp"
 #include "fairlead/curve/grid.hpp"
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 namespace fairlead::sim {
 
@@ -28,7 +28,7 @@ struct CurvePoint {
 class CurveTrack {
   public:
     struct Piece {
-        wire2::CurvePiece of{};
+        wire::CurvePiece of{};
         std::int64_t start_ns{}, end_ns{};
         double tick_ns{1};
 
@@ -38,7 +38,7 @@ class CurveTrack {
         }
     };
 
-    void add(const wire2::CurvePiece& piece, const curve::Grid& grid);
+    void add(const wire::CurvePiece& piece, const curve::Grid& grid);
     /// The piece in charge at a time; null: there is no curve.
     const Piece* at(std::int64_t t_ns) const;
     const std::vector<Piece>& pieces() const { return pieces_; }
@@ -102,7 +102,7 @@ StreamBytes stream_bytes(std::string_view stream);
 class CurveStore {
   public:
     /// All that a stream may hold: more than the channels of any board.
-    using Decoder = wire2::Decoder<12, 4, wire2::KindSet<curve::Smooth>>;
+    using Decoder = wire::Decoder<12, 4, wire::KindSet<curve::Smooth>>;
 
     void push(std::string_view bytes);
     void finish();  // the input has ended
@@ -121,7 +121,7 @@ class CurveStore {
 
     /// The discrete events, in the order in which they were sent.
     const std::vector<Event>& events() const { return events_; }
-    const wire2::EventReader::Counters& event_counters() const { return decoder_.event_counters(); }
+    const wire::EventReader::Counters& event_counters() const { return decoder_.event_counters(); }
     const Decoder::Counters& counters() const { return decoder_.counters(); }
     const Decoder::Frames::Counters& frame_counters() const { return decoder_.frame_counters(); }
     std::uint16_t stream_id() const { return decoder_.stream_id(); }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 #include "host_sim/replay_feed.hpp"
 
 namespace fairlead::sim {

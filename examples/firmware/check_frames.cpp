@@ -8,11 +8,11 @@
 
 #include "examples/firmware/config.hpp"
 #include "examples/firmware/motion.hpp"
-#include "fairlead/wire2/live.hpp"
+#include "fairlead/wire/live.hpp"
 
 namespace {
 
-using Reader = fairlead::wire2::LiveDecoder<2048>;  // pieces of the whole ten seconds
+using Reader = fairlead::wire::LiveDecoder<2048>;  // pieces of the whole ten seconds
 
 struct Worst {
     float m{0}, rad{0};

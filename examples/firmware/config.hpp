@@ -3,7 +3,7 @@
 // file, changes it, and asks what it costs:
 //
 //     make bounds CONFIG=examples/firmware/config.hpp CORE=m4f BUDGET=400000
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 
 struct Config {
     using Input = fairlead::Pose;
@@ -13,7 +13,7 @@ struct Config {
     static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
     static constexpr std::size_t events_max = 0;  // a tracker without buttons
 
-    using Pipeline = fairlead::Pipeline2<Config>;
+    using Pipeline = fairlead::Pipeline<Config>;
     static Pipeline::Params params() {
         Pipeline::Params p;
         p.sample_period_ns = 8'333'333;            // 120 records a second

@@ -2,7 +2,7 @@
 // The same for a bare IMU: orientation from gyro and accelerometer, at 100 samples a second.
 //
 //     make bounds CONFIG=examples/firmware/config_imu.hpp CORE=m4f
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 
 struct Config {
     using Input = fairlead::Imu<fairlead::AttitudeMode::imu>;  // gyro and accelerometer
@@ -12,7 +12,7 @@ struct Config {
     static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
     static constexpr std::size_t events_max = 0;  // a board without buttons
 
-    using Pipeline = fairlead::Pipeline2<Config>;
+    using Pipeline = fairlead::Pipeline<Config>;
     static Pipeline::Params params() {
         Pipeline::Params p;
         p.sample_period_ns = 10'000'000;           // 100 samples a second

@@ -1,6 +1,6 @@
 #include "examples/gateway/chain.hpp"
 
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 
 namespace fairlead::gateway {
 namespace {
@@ -49,7 +49,7 @@ Params params_of(const UnitConfig& unit, std::int64_t period_ns) {
 
 template <AttitudeMode mode>
 std::unique_ptr<Chain<Sample>> sample_chain(const UnitConfig& unit, std::int64_t period_ns) {
-    using Inner = Pipeline2<Board<Imu<mode>, Orientation>>;
+    using Inner = Pipeline<Board<Imu<mode>, Orientation>>;
     auto params = params_of<typename Inner::Params>(unit, period_ns);
     params.calibration = unit.calibration;
     params.attitude.bias_max_rad_s = static_cast<float>(unit.bias_max_rad_s);
@@ -59,7 +59,7 @@ std::unique_ptr<Chain<Sample>> sample_chain(const UnitConfig& unit, std::int64_t
 }  // namespace
 
 std::unique_ptr<Chain<Pose>> make_pose_chain(const UnitConfig& unit, std::int64_t period_ns) {
-    using Inner = Pipeline2<Board<Pose, Position, Orientation>>;
+    using Inner = Pipeline<Board<Pose, Position, Orientation>>;
     auto params = params_of<Inner::Params>(unit, period_ns);
     params.tolerance.position_m = static_cast<float>(unit.tolerance_m);
     return std::make_unique<ChainOf<Pose, Inner>>(params);

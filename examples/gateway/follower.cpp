@@ -70,7 +70,7 @@ void CurveFollower::tell_health() noexcept {
 void CurveFollower::follow() noexcept {
     if (run_index_ != 0 && decoder_.run_index() != run_index_) restart();  // the clock began anew
     run_index_ = decoder_.run_index();
-    for (wire2::CurvePiece piece; decoder_.next(piece);)
+    for (wire::CurvePiece piece; decoder_.next(piece);)
         (piece.rotates ? orientation_ : position_).maker_.take(piece);
     append(orientation_);
     append(position_);

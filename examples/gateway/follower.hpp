@@ -8,7 +8,7 @@
 #include "examples/gateway/feed.hpp"
 #include "examples/gateway/span_maker.hpp"
 #include "fairlead/base/ring.hpp"
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 namespace fairlead::gateway {
 
@@ -50,7 +50,7 @@ class CurveFollower {
     /// A new run of the source: nothing joins it to what was before.
     void restart() noexcept;
 
-    using Stream = wire2::Decoder<3, 1>;
+    using Stream = wire::Decoder<3, 1>;
     const Stream& decoder() const noexcept { return decoder_; }
 
   private:

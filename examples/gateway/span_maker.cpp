@@ -6,7 +6,7 @@ namespace fairlead::gateway {
 namespace {
 
 /// Coefficients of a piece's polynomial about a later time, in lattice steps and ticks.
-std::array<double, 4> about(const wire2::CurvePiece& piece, std::size_t component,
+std::array<double, 4> about(const wire::CurvePiece& piece, std::size_t component,
                             std::int64_t start) noexcept {
     const double t = static_cast<double>(start - piece.start) / curve::subs_per_tick;
     const auto p = piece.polynomial<double>(component);

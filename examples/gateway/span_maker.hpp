@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "fairlead/base/ring.hpp"
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/wire/decoder.hpp"
 #include "port/linux/registers_curve.hpp"
 
 namespace fairlead::gateway {
@@ -17,7 +17,7 @@ class SpanMaker {
         : channel_{channel}, tracks_{channel == port::CurveChannel::position ? 3u : 1u} {}
 
     /// The pieces of one frame fit; where other tracks lack theirs, the oldest one gives way.
-    void take(const wire2::CurvePiece& piece) noexcept {
+    void take(const wire::CurvePiece& piece) noexcept {
         if (piece.axis >= tracks_) return;
         if (piece.start == piece.end && !piece.begins) return;  // tells only that a curve ended
         auto& track = track_[piece.axis];
@@ -35,7 +35,7 @@ class SpanMaker {
     // a frame has at most 255 ticks, and at most 1,976 bits for jumps of 16 bits and more
     static constexpr std::size_t pieces_max = 512;
 
-    const wire2::CurvePiece& front(std::size_t track) const noexcept {
+    const wire::CurvePiece& front(std::size_t track) const noexcept {
         return track_[track].oldest();
     }
     bool align(std::int64_t& start) noexcept;
@@ -44,7 +44,7 @@ class SpanMaker {
 
     port::CurveChannel channel_;
     std::size_t tracks_;
-    std::array<Ring<wire2::CurvePiece, pieces_max>, 3> track_{};
+    std::array<Ring<wire::CurvePiece, pieces_max>, 3> track_{};
     std::int64_t end_{0};     // of the span before, in sub-ticks
     bool joined_{false};      // there is one
     bool point_told_{false};  // the value at a curve's start was told by a span of its own

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "fairlead/base/arithmetic.hpp"
-#include "fairlead/pipeline2.hpp"
-#include "fairlead/wire2/live.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/live.hpp"
 
 using namespace fairlead;
 
@@ -26,7 +26,7 @@ struct Board {
     static constexpr Beam beam = Beam::narrow;
     static constexpr std::size_t events_max = 0;
 };
-using Whole = Pipeline2<Board>;
+using Whole = Pipeline<Board>;
 
 /// A pipeline between guard words: an overrun of its memory changes them.
 struct Guarded {
@@ -68,16 +68,16 @@ std::int64_t pause_ns(int kind, Random& random) {
 /// Reads the stream as a reader would, and measures in double how far the curves pass from each
 /// sample.
 struct Reader {
-    wire2::Decoder<3, 1> decoder{};
+    wire::Decoder<3, 1> decoder{};
     struct Held {
-        wire2::CurvePiece piece;
+        wire::CurvePiece piece;
         curve::Grid grid;
     };
     std::array<std::vector<Held>, 4> tracks{};  // three axes and the rotation, in order of time
     std::uint64_t sent{0};
 
     void take() {
-        for (wire2::CurvePiece piece; decoder.next(piece);)
+        for (wire::CurvePiece piece; decoder.next(piece);)
             if (piece.end > piece.start || piece.begins)
                 tracks[piece.rotates ? 3 : piece.axis % 3].push_back({piece, decoder.grid()});
     }
@@ -97,8 +97,8 @@ struct Reader {
                 ++at[k];
             if (at[k] == track.size()) return -1;
             const auto& [piece, grid] = track[at[k]];
-            if (!wire2::holds_at(piece, grid, pose.t_ns)) return -1;
-            const double e = k < 3 ? (wire2::axis_motion<double>(piece, grid, pose.t_ns).value -
+            if (!wire::holds_at(piece, grid, pose.t_ns)) return -1;
+            const double e = k < 3 ? (wire::axis_motion<double>(piece, grid, pose.t_ns).value -
                                       static_cast<double>(p[k])) /
                                          static_cast<double>(tol_m)
                                    : turn(piece, grid, pose) / static_cast<double>(tol_rad);
@@ -108,8 +108,8 @@ struct Reader {
         return most;
     }
     /// Angle between the curve and the sample: the sine of its half, twice.
-    static double turn(const wire2::CurvePiece& piece, const curve::Grid& grid, const Pose& pose) {
-        const auto told = wire2::turning<double>(piece, grid, pose.t_ns).q_wb;
+    static double turn(const wire::CurvePiece& piece, const curve::Grid& grid, const Pose& pose) {
+        const auto told = wire::turning<double>(piece, grid, pose.t_ns).q_wb;
         const Quat& q = pose.q_wb;
         const BasicQuat<double> truth{static_cast<double>(q.w), static_cast<double>(q.x),
                                       static_cast<double>(q.y), static_cast<double>(q.z)};

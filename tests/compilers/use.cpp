@@ -1,7 +1,7 @@
 // What a user makes of the library, so that every compiler meets the templates with their
 // arguments: pipelines of poses with a filter, of IMU samples and of vectors, decoders.
-#include <fairlead/pipeline2.hpp>
-#include <fairlead/wire2/live.hpp>
+#include <fairlead/pipeline.hpp>
+#include <fairlead/wire/live.hpp>
 
 struct Tracker {
     using Input = fairlead::Pose;
@@ -28,17 +28,17 @@ struct Arm {
     static constexpr std::size_t events_max = 0;
 };
 
-fairlead::Pipeline2<Tracker>::Params params() {
-    fairlead::Pipeline2<Tracker>::Params p;
+fairlead::Pipeline<Tracker>::Params params() {
+    fairlead::Pipeline<Tracker>::Params p;
     p.filter = Tracker::Filter{fairlead::binomial_mask<9>()};
     return p;
 }
 
-fairlead::Pipeline2<Tracker> tracker{params()};
-fairlead::Pipeline2<Board> imu{{}};
-fairlead::Pipeline2<Arm> arm{{}};
-fairlead::wire2::LiveDecoder<> display;
-fairlead::wire2::Decoder<4, 0> reader;
+fairlead::Pipeline<Tracker> tracker{params()};
+fairlead::Pipeline<Board> imu{{}};
+fairlead::Pipeline<Arm> arm{{}};
+fairlead::wire::LiveDecoder<> display;
+fairlead::wire::Decoder<4, 0> reader;
 
 std::size_t use(const fairlead::Pose& pose, const fairlead::Sample& sample,
                 const fairlead::VectorSample<4>& joints) {
@@ -47,6 +47,6 @@ std::size_t use(const fairlead::Pose& pose, const fairlead::Sample& sample,
         if (display.push(byte) && display.position(pose.t_ns)) ++known;
     for (const std::uint8_t byte : arm.push(joints))
         if (reader.push(byte))
-            for (fairlead::wire2::CurvePiece piece; reader.next(piece);) ++known;
+            for (fairlead::wire::CurvePiece piece; reader.next(piece);) ++known;
     return known + imu.push(sample).size + imu.flush().size + tracker.flush().size;
 }

@@ -1,6 +1,6 @@
 // The frame of the first example in docs/bounds.md.
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 
 #include "example.inc"
 
-fairlead::Pipeline2<Config> pipeline{Config::params()};
+fairlead::Pipeline<Config> pipeline{Config::params()};

@@ -1,10 +1,10 @@
 // The board of the example in docs/reducer.md.
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 
 // behind the header, which it needs
 #include "example.inc"
 
 fairlead::Bytes example(const fairlead::Pose& pose) {
-    fairlead::Pipeline2<Board> pipeline{{}};
+    fairlead::Pipeline<Board> pipeline{{}};
     return pipeline.push(pose);
 }

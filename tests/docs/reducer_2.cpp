@@ -1,5 +1,5 @@
 // The pipeline of the example in docs/reducer.md.
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 
 struct Board {
     using Input = fairlead::Pose;

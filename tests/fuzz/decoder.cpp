@@ -1,7 +1,7 @@
 // The reader on bytes that nobody wrote: noise; frames whose checks are right by chance, because
 // this reader's checks are narrow; and payloads of the fuzzer's with right sizes and checks. Held:
 // what it tells is in order and finite, and it does bounded work a byte.
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 #include <cmath>
 
@@ -10,16 +10,16 @@
 namespace {
 
 using namespace fairlead;
-using Kinds = wire2::KindSet<curve::Smooth>;
+using Kinds = wire::KindSet<curve::Smooth>;
 
 template <unsigned Bits>
-struct Checks : wire2::Everything {
+struct Checks : wire::Everything {
     static constexpr unsigned check_bits = Bits;
 };
 
 template <class Decoder>
 void drain(Decoder& decoder) {
-    wire2::CurvePiece piece;
+    wire::CurvePiece piece;
     Event event;
     int told = 0;
     while (decoder.next(piece)) {
@@ -33,7 +33,7 @@ void drain(Decoder& decoder) {
                 FUZZ_EXPECT(std::isfinite(piece.rate_at(at, c)));
             }
         if (piece.rotates) {
-            const auto q = wire2::rotation_at(piece, end / 2);
+            const auto q = wire::rotation_at(piece, end / 2);
             FUZZ_EXPECT(std::abs(dot(q, q) - 1) < 1e-3);
         }
     }
@@ -49,16 +49,16 @@ void finish(Decoder& decoder) {
 
 template <unsigned CheckBits>
 void noise(fuzz::Input& in) {
-    wire2::Decoder<3, 1, Kinds, Checks<CheckBits>> decoder;
+    wire::Decoder<3, 1, Kinds, Checks<CheckBits>> decoder;
     while (!in.empty())
         if (decoder.push(in.byte())) drain(decoder);
     finish(decoder);
 }
 
 /// A header of a shape that the input chooses.
-wire2::Header header_of(fuzz::Input& in) {
-    wire2::Header header;
-    wire2::StreamShape& s = header.shape;
+wire::Header header_of(fuzz::Input& in) {
+    wire::Header header;
+    wire::StreamShape& s = header.shape;
     const unsigned form = in.byte();
     s.base_ns = in.byte() * std::int64_t{1} << 55;
     s.timing.sub_ns = 1u + (std::uint32_t{in.byte()} << 20);
@@ -67,8 +67,8 @@ wire2::Header header_of(fuzz::Input& in) {
     s.timing.usual_ticks = static_cast<std::uint8_t>(in.byte() | 1);
     for (const bool rotates : {false, true}) {
         if ((form & (rotates ? 64u : 128u)) != 0 && s.channels + rotates > 0) continue;
-        wire2::ChannelShape& c = s.channel[s.channels++];
-        c.type = rotates ? wire2::ChannelType::orientation : wire2::ChannelType::vector;
+        wire::ChannelShape& c = s.channel[s.channels++];
+        c.type = rotates ? wire::ChannelType::orientation : wire::ChannelType::vector;
         c.kind = 1;
         c.axes = 3;
         c.step.fill(
@@ -79,26 +79,26 @@ wire2::Header header_of(fuzz::Input& in) {
 }
 /// Payloads as they come, with the sizes and checks that an encoder would give them.
 void framed(fuzz::Input& in) {
-    wire2::Decoder<3, 1, Kinds> decoder;
-    wire2::Header header = header_of(in);
-    std::uint8_t bytes[wire2::long_frame_max];
+    wire::Decoder<3, 1, Kinds> decoder;
+    wire::Header header = header_of(in);
+    std::uint8_t bytes[wire::long_frame_max];
     const auto push = [&](std::size_t size) {
         bool told = false;
         for (std::size_t i = 0; i < size; ++i)
             if (decoder.push(bytes[i])) told = true, drain(decoder);
         return told;
     };
-    push(wire2::write_header(header, bytes));
-    wire2::Link link{0, header.digest, 0};
+    push(wire::write_header(header, bytes));
+    wire::Link link{0, header.digest, 0};
     while (!in.empty()) {
         const std::size_t size = 1 + in.byte() % 60u;
         bytes[0] = static_cast<std::uint8_t>(size);
         for (std::size_t i = 1; i <= size; ++i) bytes[i] = in.byte();
-        append_crc16(bytes, 1 + size, wire2::seed(link));
+        append_crc16(bytes, 1 + size, wire::seed(link));
         code::RangeDecoder io{bytes + 1, size};
-        wire2::FrameHead head;
-        if (!wire2::code_head(io, head, header.shape.timing, link.end)) continue;
-        const std::uint32_t digest = wire2::digest_of(bytes, size + 3, head.restart, link);
+        wire::FrameHead head;
+        if (!wire::code_head(io, head, header.shape.timing, link.end)) continue;
+        const std::uint32_t digest = wire::digest_of(bytes, size + 3, head.restart, link);
         if (push(size + 3)) link = {head.end, header.digest, digest};
         if (!decoder.in_step()) break;
     }

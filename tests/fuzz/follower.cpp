@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "fairlead/pipeline2.hpp"
-#include "fairlead/wire2/header.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/header.hpp"
 #include "tests/fuzz/input.hpp"
 
 using namespace fairlead;
@@ -41,7 +41,7 @@ struct Stream {
 template <class Visit>
 void each_frame(const Octets& bytes, std::size_t from, const Visit& visit) {
     for (std::size_t at = from; at + 1 < bytes.size();) {
-        const std::size_t size = wire2::frame_size(bytes[at], bytes[at + 1]);
+        const std::size_t size = wire::frame_size(bytes[at], bytes[at + 1]);
         FUZZ_EXPECT(size > 0 && at + size <= bytes.size());
         visit(at, size);
         at += size;
@@ -50,11 +50,11 @@ void each_frame(const Octets& bytes, std::size_t from, const Visit& visit) {
 
 /// What a board sends for three seconds; its restarts come often.
 Stream stream_of(unsigned seed) {
-    Pipeline2<Board>::Params params;
+    Pipeline<Board>::Params params;
     params.sample_period_ns = 10'000'000;
     params.restart_interval_ns = 300'000'000;
     params.header_interval_ns = 1'000'000'000;
-    const auto board = std::make_unique<Pipeline2<Board>>(params);
+    const auto board = std::make_unique<Pipeline<Board>>(params);
     Stream all;
     std::uint32_t restarts = 0;
     const auto add = [&](const Bytes& bytes) {
@@ -63,7 +63,7 @@ Stream stream_of(unsigned seed) {
         const bool restart = board->encoder().inner().restarts() != restarts;
         restarts = board->encoder().inner().restarts();
         each_frame(all.bytes, from, [&](std::size_t at, std::size_t size) {
-            if (all.bytes[at] <= wire2::payload_max) all.frames.push_back({at, size, restart, 0});
+            if (all.bytes[at] <= wire::payload_max) all.frames.push_back({at, size, restart, 0});
         });
         return bytes.status != Status::end;
     };
@@ -83,7 +83,7 @@ Stream stream_of(unsigned seed) {
     }
     while (add(board->flush())) continue;
     // the ends of the data frames, as a decoder of its own finds them
-    wire2::Decoder<3, 1> decoder;
+    wire::Decoder<3, 1> decoder;
     std::size_t known = 0;
     const auto note = [&] {
         if (decoder.frame_counters().frames > known) all.frames[known++].end = decoder.frame_end();
@@ -98,19 +98,19 @@ Stream stream_of(unsigned seed) {
 /// Changes payloads of data frames and puts their checks right, along the chain.
 Octets spoiled(const Stream& stream, fuzz::Input& in) {
     Octets bytes = stream.bytes;
-    wire2::Header header;
-    read_header(bytes.data(), wire2::frame_size(bytes[0], bytes[1]), header);
-    wire2::Link link{header.end, header.digest, 0};
+    wire::Header header;
+    read_header(bytes.data(), wire::frame_size(bytes[0], bytes[1]), header);
+    wire::Link link{header.end, header.digest, 0};
     for (const DataFrame& frame : stream.frames) {
         std::uint8_t* const first = bytes.data() + frame.at;
         if (in.byte() % 4 == 0)
             for (int n = 1 + in.byte() % 3; n > 0; --n)
                 first[1 + in.byte() % (frame.size - 3)] ^= in.byte();
-        std::uint16_t check = wire2::seed(link);
+        std::uint16_t check = wire::seed(link);
         for (std::size_t i = 0; i + 2 < frame.size; ++i) check = crc16(first[i], check);
         first[frame.size - 2] = static_cast<std::uint8_t>(check >> 8);
         first[frame.size - 1] = static_cast<std::uint8_t>(check & 0xFF);
-        link.previous = wire2::digest_of(first, frame.size, frame.restart, link);
+        link.previous = wire::digest_of(first, frame.size, frame.restart, link);
         link.end = frame.end;
     }
     return bytes;

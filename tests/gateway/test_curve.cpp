@@ -13,8 +13,8 @@
 #include "examples/gateway/register_map.hpp"
 #include "examples/gateway/unit_table.hpp"
 #include "fairlead/math/quat.hpp"
-#include "fairlead/pipeline2.hpp"
-#include "fairlead/wire2/live.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/live.hpp"
 
 namespace fairlead::gateway {
 namespace {
@@ -75,7 +75,7 @@ class Chain {
         table->collect(*feed);
     }
     void reboot(std::int64_t start_ns) {
-        board = std::make_unique<Pipeline2<Config>>(params());
+        board = std::make_unique<Pipeline<Config>>(params());
         start_ns_ = start_ns;
         sent_ = 0;
         poses.clear();
@@ -87,8 +87,8 @@ class Chain {
             return true;
         }};
     }
-    static Pipeline2<Config>::Params params() {
-        Pipeline2<Config>::Params p;
+    static Pipeline<Config>::Params params() {
+        Pipeline<Config>::Params p;
         p.sample_period_ns = period_ns;
         p.tolerance.position_m = tolerance_m;
         p.tolerance.orientation_rad = tolerance_rad;
@@ -102,7 +102,7 @@ class Chain {
     std::unique_ptr<UnitTable> table = std::make_unique<UnitTable>();
     std::unique_ptr<CurveFollower> follower =
         std::make_unique<CurveFollower>(*feed, state, CurveFollower::WhenFull::drop);
-    std::unique_ptr<Pipeline2<Config>> board = std::make_unique<Pipeline2<Config>>(params());
+    std::unique_ptr<Pipeline<Config>> board = std::make_unique<Pipeline<Config>>(params());
     port::ModbusCounters counters;
     ServerState server;
 
@@ -135,13 +135,13 @@ std::size_t covered(const CurveReader& reader, const std::vector<Pose>& poses) {
 
 /// The pieces of a stream by a decoder of their own, evaluated in double.
 struct Reference {
-    wire2::Decoder<3, 1> decoder{};
-    std::array<std::vector<wire2::CurvePiece>, 4> tracks{};  // three axes, the rotation
+    wire::Decoder<3, 1> decoder{};
+    std::array<std::vector<wire::CurvePiece>, 4> tracks{};  // three axes, the rotation
 
     void take(const std::vector<std::uint8_t>& bytes) {
         for (const std::uint8_t byte : bytes) {
             if (!decoder.push(byte)) continue;
-            for (wire2::CurvePiece piece; decoder.next(piece);)
+            for (wire::CurvePiece piece; decoder.next(piece);)
                 tracks[piece.rotates ? 3 : piece.axis].push_back(piece);
         }
     }
@@ -169,7 +169,7 @@ TEST(Curve, APollerOfOnceASecondHasTheDecodersCurve) {
     const curve::Grid& grid = reference.decoder.grid();
     std::size_t compared = 0;
     for (std::size_t k = 0; k < 4; ++k) {
-        for (const wire2::CurvePiece& piece : reference.tracks[k]) {
+        for (const wire::CurvePiece& piece : reference.tracks[k]) {
             // both ends, and places that are no vertex of any axis
             for (std::int64_t at = piece.start + 1; at <= piece.end; at += 61) {
                 const std::int64_t t = grid.time_ns(at == piece.start + 1 ? piece.end : at);
@@ -179,11 +179,11 @@ TEST(Curve, APollerOfOnceASecondHasTheDecodersCurve) {
                 ASSERT_NE(span, nullptr) << "track " << k << " time " << t;
                 ++compared;
                 if (k == 3) {
-                    const auto told = wire2::turning<double>(piece, grid, t).q_wb;
+                    const auto told = wire::turning<double>(piece, grid, t).q_wb;
                     ASSERT_LT(apart(told, port::curve::orientation(*span, t)), 1.5e-6);
                     continue;
                 }
-                const double told = wire2::axis_motion<double>(piece, grid, t).value;
+                const double told = wire::axis_motion<double>(piece, grid, t).value;
                 const Vec3 got = port::curve::position(*span, t);
                 ASSERT_NEAR(told, static_cast<double>(component(got, k)), 2e-7);
             }

@@ -7,12 +7,12 @@
 #include <cstring>
 #include <string>
 
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 namespace fairlead::test {
 
 /// As the host tools: up to 12 axes and 4 rotations.
-using ListingDecoder = wire2::Decoder<12, 4, wire2::KindSet<curve::Smooth>>;
+using ListingDecoder = wire::Decoder<12, 4, wire::KindSet<curve::Smooth>>;
 
 class Listing {
   public:
@@ -37,7 +37,7 @@ class Listing {
         std::snprintf(line, sizeof line, format, values...);
         text += line;
     }
-    void add(const wire2::CurvePiece& p) {
+    void add(const wire::CurvePiece& p) {
         add("piece %u %u %" PRId64 " %" PRId64 " %u %d", unsigned{p.channel}, unsigned{p.axis},
             p.start, p.end, unsigned{p.code}, int{p.fresh && p.code != curve::code::jump});
         for (std::size_t c = 0; c < (p.rotates ? 3u : 1u); ++c)
@@ -53,7 +53,7 @@ class Listing {
             add("run %u stream %u base %" PRId64 " sub %u\n", unsigned{decoder.run()},
                 unsigned{decoder.stream_id()}, decoder.grid().base_ns, decoder.grid().sub_ns);
         }
-        wire2::CurvePiece piece;
+        wire::CurvePiece piece;
         while (decoder.next(piece)) add(piece);
         Event event;
         while (decoder.next_event(event))

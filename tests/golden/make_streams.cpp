@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-#include "fairlead/wire2/events.hpp"
+#include "fairlead/wire/events.hpp"
 #include "tests/unit/random_stream.hpp"
 
 namespace {
@@ -25,10 +25,10 @@ ByteVector random_stream(const Options& options, std::uint64_t seed, int frames,
                          bool lost = false) {
     RandomStream source{options, seed};
     ByteVector bytes = source.header(true);
-    wire2::Header header{source.shape(), 0, 0, true};
-    std::uint8_t scratch[wire2::header_frame_max];
-    wire2::write_header(header, scratch);
-    wire2::EventSender<4> events;
+    wire::Header header{source.shape(), 0, 0, true};
+    std::uint8_t scratch[wire::header_frame_max];
+    wire::write_header(header, scratch);
+    wire::EventSender<4> events;
     for (int i = 1; i <= frames; ++i) {
         const ByteVector frame = source.frame();
         if (!lost || i % 17 != 0) append(bytes, frame);
@@ -37,7 +37,7 @@ ByteVector random_stream(const Options& options, std::uint64_t seed, int frames,
         for (int k = 0; k < 1 + i % 3; ++k)
             events.push({options.base_ns + i * std::int64_t{7'777'777} - k * 1000,
                          static_cast<std::uint16_t>(k), static_cast<std::uint16_t>(i * 1000), 0});
-        std::uint8_t out[wire2::EventSender<4>::frame_max];
+        std::uint8_t out[wire::EventSender<4>::frame_max];
         const std::size_t n = events.frame(out, 0, header.digest, options.base_ns);
         append(bytes, {out, out + n});
     }

@@ -2,7 +2,7 @@
 // From accepted samples to the bytes of the stream: the same type in the machine and on the host.
 #include <vector>
 
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 
 namespace fairlead::vm {
 
@@ -28,7 +28,7 @@ class Chain {
         out.insert(out.end(), bytes.begin(), bytes.end());
     }
 
-    Pipeline2<Board> pipeline_{{}};
+    Pipeline<Board> pipeline_{{}};
 };
 
 }  // namespace fairlead::vm

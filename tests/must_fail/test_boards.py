@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 
-BOARD = """#include "fairlead/pipeline2.hpp"
+BOARD = """#include "fairlead/pipeline.hpp"
 using namespace fairlead;
 template <class Board>
 struct Codec {

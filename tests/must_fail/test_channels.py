@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 
-PROGRAM = """#include "fairlead/pipeline2.hpp"
+PROGRAM = """#include "fairlead/pipeline.hpp"
 struct Board {
     using Input = fairlead::%s;
     using Channels = fairlead::Channels<fairlead::%s>;
@@ -16,10 +16,10 @@ struct Board {
     static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
     static constexpr std::size_t events_max = %d;
 };
-fairlead::Pipeline2<Board>* made;
-fairlead::Bytes push(const fairlead::Pipeline2<Board>::Raw& record) { return made->push(record); }
+fairlead::Pipeline<Board>* made;
+fairlead::Bytes push(const fairlead::Pipeline<Board>::Raw& record) { return made->push(record); }
 fairlead::Bytes flush() { return made->flush(); }
-fairlead::Pipeline2<Board> make() { return fairlead::Pipeline2<Board>{{}}; }
+fairlead::Pipeline<Board> make() { return fairlead::Pipeline<Board>{{}}; }
 """
 
 # input, channel, events; what no function's own name or owner may say; what must be there, so that the test sees something

@@ -4,10 +4,10 @@
 #include <cstdio>
 
 int main() {
-    static fairlead::wire2::Decoder<3, 1> decoder;
+    static fairlead::wire::Decoder<3, 1> decoder;
     unsigned bytes = 0, pieces = 0, events = 0;
     const auto take = [&] {
-        for (fairlead::wire2::CurvePiece piece; decoder.next(piece);) ++pieces;
+        for (fairlead::wire::CurvePiece piece; decoder.next(piece);) ++pieces;
         for (fairlead::Event event; decoder.next_event(event);) ++events;
     };
     for (int c = std::getchar(); c != EOF; c = std::getchar(), ++bytes)

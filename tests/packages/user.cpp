@@ -5,8 +5,8 @@
 #include USER_HEADER
 #else
 #include <fairlead/base/arithmetic.hpp>
-#include <fairlead/pipeline2.hpp>
-#include <fairlead/wire2/decoder.hpp>
+#include <fairlead/pipeline.hpp>
+#include <fairlead/wire/decoder.hpp>
 #endif
 
 #include <cstdio>
@@ -20,15 +20,15 @@ struct Board {
     static constexpr std::size_t events_max = 0;
 };
 
-fairlead::Pipeline2<Board>::Params params() {
-    fairlead::Pipeline2<Board>::Params p;
+fairlead::Pipeline<Board>::Params params() {
+    fairlead::Pipeline<Board>::Params p;
     p.sample_period_ns = 10'000'000;
     return p;
 }
 
 int main() {
-    static fairlead::Pipeline2<Board> pipeline{params()};
-    static fairlead::wire2::Decoder<3, 1> decoder;
+    static fairlead::Pipeline<Board> pipeline{params()};
+    static fairlead::wire::Decoder<3, 1> decoder;
     std::uint64_t digest = 14695981039346656037u;  // FNV-1a
     std::uint64_t sent = 0;
     const auto take = [&](const fairlead::Bytes& bytes) {
@@ -36,7 +36,7 @@ int main() {
         for (const std::uint8_t byte : bytes) {
             digest = (digest ^ byte) * 1099511628211u;
             if (!decoder.push(byte)) continue;
-            for (fairlead::wire2::CurvePiece piece; decoder.next(piece);) continue;
+            for (fairlead::wire::CurvePiece piece; decoder.next(piece);) continue;
         }
         return bytes.status != fairlead::Status::end;
     };

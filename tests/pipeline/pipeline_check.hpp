@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "fairlead/pipeline2.hpp"
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 namespace fairlead::test {
 
@@ -45,7 +45,7 @@ class PipelineCheck {
     using Channels = typename Board::Channels;
 
   public:
-    using Chain = Pipeline2<Board>;
+    using Chain = Pipeline<Board>;
     using Params = typename Chain::Params;
 
     explicit PipelineCheck(const Params& params)
@@ -91,7 +91,7 @@ class PipelineCheck {
     }();
     static constexpr bool has_first = vector || Channels::template has<Position>;
     static constexpr bool has_turn = !vector && Channels::template has<Orientation>;
-    using Decoder = wire2::Decoder<has_first ? dimension : 0, has_turn ? 1 : 0>;
+    using Decoder = wire::Decoder<has_first ? dimension : 0, has_turn ? 1 : 0>;
 
     struct Sent {
         std::int64_t t_ns;
@@ -109,7 +109,7 @@ class PipelineCheck {
         std::uint32_t run;
         std::int64_t start_ns, end_ns;
         double tick_ns;
-        wire2::CurvePiece piece;
+        wire::CurvePiece piece;
     };
 
     void complain(const char* what, std::uint64_t& count, std::uint64_t push, std::int64_t t_ns) {
@@ -157,7 +157,7 @@ class PipelineCheck {
 
     void drain() {
         const curve::Grid grid = decoder_->grid();
-        wire2::CurvePiece p;
+        wire::CurvePiece p;
         while (decoder_->next(p)) {
             verdict_.breaks += p.jumps && p.start != p.end;
             if (p.start == p.end && !p.begins) continue;  // only tells that a curve has ended
@@ -213,7 +213,7 @@ class PipelineCheck {
                 const Told* const at = covering(dimension, w);
                 if (!at) return;
                 const Quat& q = w.record.q_wb;
-                const auto curve = normalised(wire2::rotation_at(at->piece, ticks_into(*at, w)));
+                const auto curve = normalised(wire::rotation_at(at->piece, ticks_into(*at, w)));
                 const double error =
                     rotation_angle(curve, normalised(BasicQuat<double>{q.w, q.x, q.y, q.z}));
                 judge(error, params_.tolerance.orientation_rad, w);

@@ -31,7 +31,7 @@ using Both = Channels<Position, Orientation>;
 
 template <class Board>
 Verdict run(test::Streams& s, int records) {
-    typename Pipeline2<Board>::Params params;
+    typename Pipeline<Board>::Params params;
     draw(params, s, Board::delay_records_max);
     float metres = 0.001f, radians = 0.0043633f;
     if constexpr (Board::Channels::template has<Position>) {

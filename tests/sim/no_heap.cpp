@@ -1,6 +1,6 @@
 // Everything between a raw pose and a decoded curve, for a look at what the linker would be asked.
-#include "fairlead/pipeline2.hpp"
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 using namespace fairlead;
 
@@ -12,8 +12,8 @@ struct Board {
     static constexpr Beam beam = Beam::medium;
     static constexpr std::size_t events_max = 6;
 };
-using Pipe = Pipeline2<Board>;
-using Reader = wire2::Decoder<>;
+using Pipe = Pipeline<Board>;
+using Reader = wire::Decoder<>;
 
 Bytes push(Pipe& pipeline, const Pose& pose) { return pipeline.push(pose); }
 Bytes flush(Pipe& pipeline) { return pipeline.flush(); }
@@ -27,8 +27,8 @@ Pipe make() {
 }
 bool push(Reader& decoder, std::uint8_t byte) { return decoder.push(byte); }
 bool finish(Reader& decoder) { return decoder.finish(); }
-bool next(Reader& decoder, wire2::CurvePiece& piece) { return decoder.next(piece); }
+bool next(Reader& decoder, wire::CurvePiece& piece) { return decoder.next(piece); }
 bool next_event(Reader& decoder, Event& event) { return decoder.next_event(event); }
-Quat rotation(const wire2::CurvePiece& piece, float ticks) {
-    return wire2::rotation_at(piece, ticks);
+Quat rotation(const wire::CurvePiece& piece, float ticks) {
+    return wire::rotation_at(piece, ticks);
 }

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 #include "host_sim/generate.hpp"
 #include "host_sim/recording/recording.hpp"
 
@@ -20,11 +20,11 @@ struct Board {
 };
 
 std::uint64_t hash_of(const sim::Recording& recording, float tol_m, float tol_rad) {
-    Pipeline2<Board>::Params params;
+    Pipeline<Board>::Params params;
     params.filter = Board::Filter{binomial_mask<9>()};
     params.tolerance.position_m = PerAxis<3>{tol_m};
     params.tolerance.orientation_rad = tol_rad;
-    const auto pipeline = std::make_unique<Pipeline2<Board>>(params);
+    const auto pipeline = std::make_unique<Pipeline<Board>>(params);
     std::uint64_t hash = 14695981039346656037u;  // FNV-1a
     const auto take = [&](const Bytes& bytes) {
         for (std::size_t i = 0; i < bytes.size; ++i) hash = (hash ^ bytes.data[i]) * 1099511628211u;

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "fairlead/code/pieces.hpp"
-#include "fairlead/reduce2/reducer.hpp"
-#include "fairlead/reduce2/rotation_channel.hpp"
+#include "fairlead/reduce/reducer.hpp"
+#include "fairlead/reduce/rotation_channel.hpp"
 #include "host_sim/baselines/track.hpp"
 #include "host_sim/recording/recording.hpp"
 
@@ -23,10 +23,10 @@ namespace {
 
 using namespace fairlead;
 using Kind = curve::Smooth;
-using Width = reduce2::Beam<4, 40>;
+using Width = reduce::Beam<4, 40>;
 constexpr std::size_t longest = 240;
-using Vectors = reduce2::VectorChannel<3, Kind, Width, longest>;
-using Rotations = reduce2::RotationChannel<Kind, Width, longest>;
+using Vectors = reduce::VectorChannel<3, Kind, Width, longest>;
+using Rotations = reduce::RotationChannel<Kind, Width, longest>;
 
 template <std::size_t N>
 struct Tally {
@@ -76,24 +76,24 @@ Quat value_of(const Pose& p, Rotations*) { return p.q_wb; }
 
 /// The symbols of one committed frame.
 template <std::size_t N>
-void see_frame(Vectors& channel, reduce2::Seam seam, Tally<N>& tally) {
+void see_frame(Vectors& channel, reduce::Seam seam, Tally<N>& tally) {
     const auto& segment = channel.segment();
     for (std::size_t axis = 0; axis < 3; ++axis) {
         curve::State<1> state = segment.start[axis];
         std::int32_t left = (segment.end_tick - segment.start_tick) * curve::subs_per_tick;
         for (curve::Piece<1> piece; channel.next(axis, piece); left -= piece.subs) {
-            tally.see(state, piece, seam == reduce2::Seam::restart && piece.subs == left);
+            tally.see(state, piece, seam == reduce::Seam::restart && piece.subs == left);
             curve::step(state, piece);
         }
     }
 }
 template <std::size_t N>
-void see_frame(Rotations& channel, reduce2::Seam seam, Tally<N>& tally) {
+void see_frame(Rotations& channel, reduce::Seam seam, Tally<N>& tally) {
     const auto& segment = channel.segment();
     curve::RotationState state = segment.start;
     std::int32_t left = (segment.end_tick - segment.start_tick) * curve::subs_per_tick;
     for (curve::Piece<3> piece; channel.next(0, piece); left -= piece.subs) {
-        tally.see(state.chart, piece, seam == reduce2::Seam::restart && piece.subs == left);
+        tally.see(state.chart, piece, seam == reduce::Seam::restart && piece.subs == left);
         if (piece.code == curve::code::rebase)
             curve::rebase(state, channel.step());
         else
@@ -104,7 +104,7 @@ void see_frame(Rotations& channel, reduce2::Seam seam, Tally<N>& tally) {
 template <class Channel>
 double reduce(const sim::Recording& recording, double tolerance, std::int32_t delay,
               Tally<Channel::components>& tally) {
-    static reduce2::Reducer<Channel> reducer;
+    static reduce::Reducer<Channel> reducer;
     auto& channel = reducer.template channel<0>();
     channel.configure(static_cast<float>(tolerance));
     reducer.configure({delay, 32, 16 * 1400});
@@ -114,16 +114,16 @@ double reduce(const sim::Recording& recording, double tolerance, std::int32_t de
     std::int64_t restarted = base;
     double bytes = 0;
     const auto take = [&] {
-        const reduce2::Frame& frame = reducer.frame();
+        const reduce::Frame& frame = reducer.frame();
         see_frame(channel, frame.seam, tally);
         bytes += 8;
-        if (frame.seam == reduce2::Seam::restart)
+        if (frame.seam == reduce::Seam::restart)
             restarted = reducer.grid().time_ns(frame.start_subs + std::int64_t{64} * frame.ticks);
         reducer.release();
     };
     for (const Pose& pose : recording.poses) {
         const bool due = pose.t_ns - restarted >= 2'000'000'000 - delay / 4 * period;
-        const auto seam = due ? reduce2::Seam::restart : reduce2::Seam::carry;
+        const auto seam = due ? reduce::Seam::restart : reduce::Seam::carry;
         if (reducer.push(pose.t_ns, {value_of(pose, static_cast<Channel*>(nullptr))}, 1, 0, seam,
                          [] {}))
             take();

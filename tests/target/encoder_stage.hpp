@@ -1,7 +1,7 @@
 #pragma once
 // Reduction and frames without what stands before them: the encoder of a board. An intake that is
 // not part of the stage lets through what the encoder may get.
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 #include "tests/target/pipeline_stage.hpp"
 
 namespace fairlead::target {

@@ -2,8 +2,8 @@
 // from the object file.
 #include <type_traits>
 
-#include "fairlead/pipeline2.hpp"
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 namespace {
 
@@ -21,7 +21,7 @@ struct Board {
 
 template <class B>
 struct Parts {
-    using Whole = Pipeline2<B>;
+    using Whole = Pipeline<B>;
     using Inner = std::decay_t<decltype(std::declval<const typename Whole::Encoder&>().inner())>;
     static constexpr std::size_t position() {
         if constexpr (!B::Channels::template has<Position>)

@@ -11,7 +11,7 @@ import subprocess
 
 
 # what the search takes for one record, and what one frame's bytes take: no push does the most of each part of it
-BUDGETED = re.compile(r"^_Z+NK?8fairlead\d+(?:(?P<search>reduce2?|curve)|(?P<frames>wire2?|code))\d")
+BUDGETED = re.compile(r"^_Z+NK?8fairlead\d+(?:(?P<search>reduce?|curve)|(?P<frames>wire?|code))\d")
 
 
 def read_caps(path):

@@ -1,7 +1,7 @@
 #pragma once
 // A whole pipeline: poses or samples in, bytes out. Config is a board (fairlead/board.hpp) with the
 // parameters of its pipeline in a static function params().
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 #include "tests/target/subject.hpp"
 
 namespace fairlead {
@@ -15,7 +15,7 @@ namespace target {
 
 template <class Config>
 struct PipelineStage {
-    using Whole = Pipeline2<Config>;
+    using Whole = Pipeline<Config>;
 
     static constexpr unsigned latency = Config::delay_records_max + Config::Filter::latency;
     static constexpr bool takes_samples = std::is_same_v<typename Whole::Raw, Sample>;

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "fairlead/code/pieces.hpp"
-#include "fairlead/reduce2/reducer.hpp"
-#include "fairlead/reduce2/rotation_channel.hpp"
+#include "fairlead/reduce/reducer.hpp"
+#include "fairlead/reduce/rotation_channel.hpp"
 
 namespace fairlead::test {
 
@@ -77,12 +77,12 @@ template <class Channel>
 class Follower;
 
 template <std::size_t D, class Kind, class BeamT, std::size_t Window>
-class Follower<reduce2::VectorChannel<D, Kind, BeamT, Window>> {
+class Follower<reduce::VectorChannel<D, Kind, BeamT, Window>> {
   public:
-    using Channel = reduce2::VectorChannel<D, Kind, BeamT, Window>;
+    using Channel = reduce::VectorChannel<D, Kind, BeamT, Window>;
     using Value = typename Channel::Value;
 
-    void frame(Channel& channel, const reduce2::Frame& frame, Report& report) {
+    void frame(Channel& channel, const reduce::Frame& frame, Report& report) {
         const auto& s = channel.segment();
         if (!s.present) {
             if (live_) live_ = false;
@@ -96,9 +96,9 @@ class Follower<reduce2::VectorChannel<D, Kind, BeamT, Window>> {
         }
         live_ = !s.ends;
         to_ = frame.start_subs + 64 * std::int64_t{s.end_tick};
-        if (frame.seam == reduce2::Seam::restart)
+        if (frame.seam == reduce::Seam::restart)
             for (auto& x : state_) x.forget(true);
-        if (frame.seam == reduce2::Seam::independent)
+        if (frame.seam == reduce::Seam::independent)
             for (auto& x : state_) x.forget(false);
     }
     std::int64_t end() const { return to_; }
@@ -131,7 +131,7 @@ class Follower<reduce2::VectorChannel<D, Kind, BeamT, Window>> {
   private:
     bool start_at(std::size_t a, std::int64_t from) const { return start_from_[a] == from; }
 
-    void axis(Channel& channel, const reduce2::Frame& frame, std::size_t a, Report& report) {
+    void axis(Channel& channel, const reduce::Frame& frame, std::size_t a, Report& report) {
         const auto& s = channel.segment();
         auto& st = state_[a];
         const auto& t = s.start[a];
@@ -145,7 +145,7 @@ class Follower<reduce2::VectorChannel<D, Kind, BeamT, Window>> {
             start_v_[a] = st.v[0];
             if (left == 0) stretch_[a].push_back({at, at, {start_v_[a]}, {}, {}});
         }
-        const bool told = frame.seam == reduce2::Seam::restart && !s.ends;
+        const bool told = frame.seam == reduce::Seam::restart && !s.ends;
         code::Counter counter;
         for (curve::Piece<1> p; channel.next(a, p);) {
             const curve::State<1> before = st;
@@ -188,11 +188,11 @@ class Follower<reduce2::VectorChannel<D, Kind, BeamT, Window>> {
 };
 
 template <class Kind, class BeamT, std::size_t Window>
-class Follower<reduce2::RotationChannel<Kind, BeamT, Window>> {
+class Follower<reduce::RotationChannel<Kind, BeamT, Window>> {
   public:
-    using Channel = reduce2::RotationChannel<Kind, BeamT, Window>;
+    using Channel = reduce::RotationChannel<Kind, BeamT, Window>;
 
-    void frame(Channel& channel, const reduce2::Frame& frame, Report& report) {
+    void frame(Channel& channel, const reduce::Frame& frame, Report& report) {
         const auto& s = channel.segment();
         if (!s.present) {
             live_ = false;
@@ -208,7 +208,7 @@ class Follower<reduce2::RotationChannel<Kind, BeamT, Window>> {
             stretch_.push_back({at, at, {}, {}, wide(state_.anchor)});
         }
         same(state_, s.start, report, "state differs at a frame's start");
-        const bool told = frame.seam != reduce2::Seam::carry && !s.ends;
+        const bool told = frame.seam != reduce::Seam::carry && !s.ends;
         code::Counter counter;
         bool landed = false;
         for (curve::Piece<3> p; channel.next(0, p);) {
@@ -249,7 +249,7 @@ class Follower<reduce2::RotationChannel<Kind, BeamT, Window>> {
         if (left != 0) report.wrong(report.broken, "pieces do not fill the frame");
         if (told && !landed) report.wrong(report.broken, "the end is not where it was told");
         if (told)
-            state_.chart.forget(frame.seam == reduce2::Seam::restart);
+            state_.chart.forget(frame.seam == reduce::Seam::restart);
         else
             curve::rebase(state_, step);
         live_ = !s.ends;
@@ -302,12 +302,12 @@ class Follower<reduce2::RotationChannel<Kind, BeamT, Window>> {
 template <class... Channels>
 class CurveCheck {
   public:
-    using Reducer = reduce2::Reducer<Channels...>;
+    using Reducer = reduce::Reducer<Channels...>;
     using Values = typename Reducer::Values;
 
     CurveCheck(Reducer& reducer, const curve::Grid& grid,
                const std::array<float, sizeof...(Channels)>& tolerance,
-               const reduce2::Window& window)
+               const reduce::Window& window)
         : reducer_{reducer}, tolerance_{tolerance}, records_{window.records} {
         configure(std::index_sequence_for<Channels...>{});
         reducer_.configure(window);
@@ -316,7 +316,7 @@ class CurveCheck {
     Report report;
 
     void push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
-              reduce2::Seam seam) {
+              reduce::Seam seam) {
         waiting_.push_back({t_ns, values, valid, index_++});
         ++report.samples;
         if (reducer_.push(t_ns, values, valid, gaps, seam, [] {})) take();

@@ -6,14 +6,14 @@
 #include <random>
 #include <vector>
 
-#include "fairlead/wire2/decoder.hpp"
-#include "fairlead/wire2/frame_writer.hpp"
+#include "fairlead/wire/decoder.hpp"
+#include "fairlead/wire/frame_writer.hpp"
 
 namespace fairlead::test {
 
-using Kinds = wire2::KindSet<curve::Smooth>;
-using Writer = wire2::FrameWriter<3, 1, Kinds>;
-using Reader = wire2::Decoder<3, 1, Kinds>;
+using Kinds = wire::KindSet<curve::Smooth>;
+using Writer = wire::FrameWriter<3, 1, Kinds>;
+using Reader = wire::Decoder<3, 1, Kinds>;
 using ByteVector = std::vector<std::uint8_t>;
 
 struct Options {
@@ -38,27 +38,27 @@ class RandomStream {
         shape_.base_ns = options.base_ns;
         shape_.timing = {options.sub_ns, options.time_bits, options.independent,
                          static_cast<std::uint8_t>(options.usual_ticks)};
-        if (options.position) add_channel(wire2::ChannelType::vector, 0.0012f);
-        if (options.orientation) add_channel(wire2::ChannelType::orientation, 0.0039f);
+        if (options.position) add_channel(wire::ChannelType::vector, 0.0012f);
+        if (options.orientation) add_channel(wire::ChannelType::orientation, 0.0039f);
         begin_run(0);
     }
 
     void begin_run(std::int64_t end) {
-        wire2::Header header{shape_, 0, end, true};
+        wire::Header header{shape_, 0, end, true};
         digest_of(header);
         writer_.begin_run(shape_, header.digest, end);
         frame_ = 0;
     }
     /// A header frame: starts only before the first frame.
     ByteVector header(bool starts) {
-        wire2::Header header{shape_, 0, writer_.link().end, starts};
+        wire::Header header{shape_, 0, writer_.link().end, starts};
         return digest_of(header);
     }
 
     /// The next data frame. ticks: its length; 0: about the usual one.
     ByteVector frame(unsigned ticks = 0) {
         ++frame_;
-        wire2::FrameHead head;
+        wire::FrameHead head;
         head.start = writer_.link().end;
         if (writer_.states.live == 0 && chance(0.3))  // a gap of all channels
             head.start += 64 * below(3000) + (chance(0.5) ? below(64) : 0);
@@ -86,7 +86,7 @@ class RandomStream {
         return {writer_.data(), writer_.data() + size};
     }
     const Writer& writer() const { return writer_; }
-    const wire2::StreamShape& shape() const { return shape_; }
+    const wire::StreamShape& shape() const { return shape_; }
     std::size_t refused() const { return refused_; }
     template <class Int>
     Int below(Int n) {
@@ -95,7 +95,7 @@ class RandomStream {
     bool chance(double p) { return static_cast<double>(random_() >> 11) * 0x1p-53 < p; }
 
   private:
-    void add_channel(wire2::ChannelType type, float step) {
+    void add_channel(wire::ChannelType type, float step) {
         auto& c = shape_.channel[shape_.channels];
         c.type = type;
         c.kind = options_.kind;
@@ -106,9 +106,9 @@ class RandomStream {
         ++shape_.channels;
         static_cast<void>(layout_.take(shape_));
     }
-    static ByteVector digest_of(wire2::Header& header) {
-        ByteVector bytes(wire2::header_frame_max);
-        bytes.resize(wire2::write_header(header, bytes.data()));
+    static ByteVector digest_of(wire::Header& header) {
+        ByteVector bytes(wire::header_frame_max);
+        bytes.resize(wire::write_header(header, bytes.data()));
         return bytes;
     }
     /// Too large for a frame, or out of bounds: the frame is not sent, and made anew.
@@ -192,7 +192,7 @@ class RandomStream {
         return p;
     }
 
-    void make_pieces(Writer::Coder& coder, const wire2::FrameHead& head) {
+    void make_pieces(Writer::Coder& coder, const wire::FrameHead& head) {
         Writer::States states = writer_.states;
         axes_.clear();
         turns_.clear();
@@ -249,7 +249,7 @@ class RandomStream {
 
     Options options_;
     std::mt19937_64 random_;
-    wire2::StreamShape shape_{};
+    wire::StreamShape shape_{};
     Writer::Layout layout_{};
     Writer writer_{};
     std::vector<curve::Piece<1>> axes_;

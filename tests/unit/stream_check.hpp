@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "fairlead/wire2/decoder.hpp"
-#include "fairlead/wire2/encoder.hpp"
+#include "fairlead/wire/decoder.hpp"
+#include "fairlead/wire/encoder.hpp"
 
 namespace fairlead::test {
 
 /// Error over tolerance of one sample of a channel, in double.
 template <std::size_t D>
-double error_of(const std::array<float, D>& value, const std::vector<const wire2::CurvePiece*>& at,
+double error_of(const std::array<float, D>& value, const std::vector<const wire::CurvePiece*>& at,
                 const std::vector<double>& ticks) {
     double worst = 0;
     for (std::size_t a = 0; a < D; ++a) {
@@ -26,10 +26,10 @@ double error_of(const std::array<float, D>& value, const std::vector<const wire2
     }
     return worst;
 }
-inline double error_of(const Quat& value, const std::vector<const wire2::CurvePiece*>& at,
+inline double error_of(const Quat& value, const std::vector<const wire::CurvePiece*>& at,
                        const std::vector<double>& ticks) {
     const BasicQuat<double> q = normalised(BasicQuat<double>{value.w, value.x, value.y, value.z});
-    return rotation_angle(normalised(wire2::rotation_at(*at[0], ticks[0])), q);
+    return rotation_angle(normalised(wire::rotation_at(*at[0], ticks[0])), q);
 }
 
 template <class Encoder, class Decoder>
@@ -92,7 +92,7 @@ class StreamCheck {
         std::uint32_t run;
         std::int64_t start_ns, end_ns;
         double tick_ns;
-        wire2::CurvePiece piece;
+        wire::CurvePiece piece;
     };
 
     typename Encoder::Params params_;
@@ -109,7 +109,7 @@ class StreamCheck {
         }
     }
     void drain() {
-        wire2::CurvePiece p;
+        wire::CurvePiece p;
         const curve::Grid& grid = decoder.grid();
         while (decoder.next(p)) {
             ++pieces;
@@ -136,7 +136,7 @@ class StreamCheck {
         auto& tracks = told_[C];
         while (!queue.empty() && !tracks.empty()) {
             const Waiting& w = queue.front();
-            std::vector<const wire2::CurvePiece*> at;
+            std::vector<const wire::CurvePiece*> at;
             std::vector<double> ticks;
             for (auto& list : tracks) {
                 while (!list.empty() &&

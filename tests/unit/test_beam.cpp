@@ -10,10 +10,10 @@
 namespace fairlead {
 namespace {
 
-using Vectors = reduce2::VectorChannel<3, curve::Smooth, reduce2::Beam<3, 32>, 240>;
-using Rotations = reduce2::RotationChannel<curve::Smooth, reduce2::Beam<3, 32>, 240>;
+using Vectors = reduce::VectorChannel<3, curve::Smooth, reduce::Beam<3, 32>, 240>;
+using Rotations = reduce::RotationChannel<curve::Smooth, reduce::Beam<3, 32>, 240>;
 using Check = test::CurveCheck<Vectors, Rotations>;
-using reduce2::Seam;
+using reduce::Seam;
 
 Check::Reducer& reducer() {
     static const auto one = std::make_unique<Check::Reducer>();
@@ -26,7 +26,7 @@ test::Report stream(std::uint64_t seed) {
     std::mt19937_64 random{seed * 77 + 1};
     const auto below = [&](unsigned n) { return static_cast<int>(random() % n); };
     motion.next();
-    reduce2::Window window;
+    reduce::Window window;
     window.records = 4 + below(below(3) != 0 ? 60 : 237);
     window.gap_ticks = 1 + below(64);
     window.cost_max = 16 * (8 * 247 - 268);

@@ -9,12 +9,13 @@
 #include <random>
 #include <vector>
 
-#include "fairlead/wire/decoder.hpp"
-#include "fairlead/wire/encoder.hpp"
+#include "host_sim/baselines/earlier/wire/decoder.hpp"
+#include "host_sim/baselines/earlier/wire/encoder.hpp"
 
 namespace {
 
 using namespace fairlead;
+using namespace fairlead::earlier;
 using Bytes8 = std::vector<std::uint8_t>;
 
 /// A stream of curves, restarts and events of every second or so.

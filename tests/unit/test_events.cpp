@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "fairlead/pipeline2.hpp"
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/decoder.hpp"
 
 namespace {
 
@@ -20,9 +20,9 @@ using namespace fairlead;
 constexpr std::size_t queue = 6;
 constexpr std::int64_t period_ns = 8'333'333;
 using Stream = std::vector<std::uint8_t>;
-using Sender = wire2::EventSender<queue>;
-using Reader = wire2::EventReader;
-using Decoder = wire2::Decoder<>;
+using Sender = wire::EventSender<queue>;
+using Reader = wire::EventReader;
+using Decoder = wire::Decoder<>;
 
 bool same(const Event& a, const Event& b) {
     return a.t_ns == b.t_ns && a.channel == b.channel && a.value == b.value;
@@ -73,7 +73,7 @@ struct Heard {
 };
 
 void drain(Decoder& decoder, std::vector<Event>& events) {
-    wire2::CurvePiece piece;
+    wire::CurvePiece piece;
     while (decoder.next(piece)) {
     }
     Event event;
@@ -105,8 +105,8 @@ void flush(Pipeline& pipeline, Stream& bytes) {
 }
 
 template <class ABoard>
-typename Pipeline2<ABoard>::Params params(std::int64_t header_ns = 1'000'000'000) {
-    typename Pipeline2<ABoard>::Params params;
+typename Pipeline<ABoard>::Params params(std::int64_t header_ns = 1'000'000'000) {
+    typename Pipeline<ABoard>::Params params;
     params.sample_period_ns = period_ns;
     params.restart_interval_ns = 700'000'000;
     params.header_interval_ns = header_ns;
@@ -127,7 +127,7 @@ Sent send(std::uint64_t seed, std::int64_t records, std::uint32_t hold, std::uin
     std::poisson_distribution<int> count{per_record};
     auto settings = params<Board>();
     settings.event_delay_records = hold;
-    const auto pipeline = std::make_unique<Pipeline2<Board>>(settings);
+    const auto pipeline = std::make_unique<Pipeline<Board>>(settings);
     Sent sent;
     std::vector<std::int64_t> before;  // per event: the record that follows it
     std::vector<std::size_t> present;  // bytes after each record
@@ -306,8 +306,8 @@ TEST(Events, ASourceThatMissedSomeSaysSo) {
 }
 
 TEST(Events, APipelineWithoutThemSendsTheSameCurves) {
-    const auto with = std::make_unique<Pipeline2<Board>>(params<Board>());
-    const auto none = std::make_unique<Pipeline2<BoardOf<0>>>(params<BoardOf<0>>());
+    const auto with = std::make_unique<Pipeline<Board>>(params<Board>());
+    const auto none = std::make_unique<Pipeline<BoardOf<0>>>(params<BoardOf<0>>());
     Stream a, b;
     for (std::int64_t i = 0; i < 400; ++i) {
         ASSERT_FALSE(none->push_event({i, 1, 1, 0}));
@@ -428,7 +428,7 @@ TEST(Events, ALateReaderHearsAllBehindAHeaderAndLearnsEveryChannel) {
 }
 
 TEST(Events, ALostLastEventComesAgain) {
-    const auto pipeline = std::make_unique<Pipeline2<Board>>(params<Board>());
+    const auto pipeline = std::make_unique<Pipeline<Board>>(params<Board>());
     Stream bytes;
     for (std::int64_t i = 0; i < 400; ++i) {
         if (i == 10) {
@@ -482,7 +482,7 @@ TEST(Events, OfTooManyChannelsTheOldestIsNotToldAgain) {
 }
 
 TEST(Events, LeaveWithoutRecordsOnceTheStreamHasBegun) {
-    const auto pipeline = std::make_unique<Pipeline2<Board>>(params<Board>());
+    const auto pipeline = std::make_unique<Pipeline<Board>>(params<Board>());
     Stream bytes;
     ASSERT_TRUE(pipeline->push_event({-6, 1, 2, 0}));
     append(bytes, pipeline->idle());
@@ -522,10 +522,10 @@ TEST(Events, AFiltersLatencyDoesNotShiftThemAgainstTheMotion) {
     constexpr double speed_m_s = 2;
     auto settings = params<Filtered>();
     settings.filter = PoseFilter<17>{binomial_mask<17>()};
-    const auto pipeline = std::make_unique<Pipeline2<Filtered>>(settings);
+    const auto pipeline = std::make_unique<Pipeline<Filtered>>(settings);
     const auto decoder = std::make_unique<Decoder>();
     std::mt19937_64 random{41};
-    std::vector<std::pair<wire2::CurvePiece, curve::Grid>> pieces;  // of the first axis
+    std::vector<std::pair<wire::CurvePiece, curve::Grid>> pieces;  // of the first axis
     std::vector<Event> events;
     Stream bytes;
     for (std::int64_t i = 0; i < 600; ++i) {
@@ -541,7 +541,7 @@ TEST(Events, AFiltersLatencyDoesNotShiftThemAgainstTheMotion) {
     flush(*pipeline, bytes);
     for (const std::uint8_t byte : bytes) {
         if (!decoder->push(byte)) continue;
-        wire2::CurvePiece piece;
+        wire::CurvePiece piece;
         while (decoder->next(piece))
             if (!piece.rotates && piece.axis == 0) pieces.emplace_back(piece, decoder->grid());
         Event event;

@@ -21,7 +21,7 @@ std::string content(const fs::path& path) {
     return {std::istreambuf_iterator<char>{file}, {}};
 }
 
-std::string folder() { return "tests/golden/v" + std::to_string(unsigned{wire2::stream_version}); }
+std::string folder() { return "tests/golden/v" + std::to_string(unsigned{wire::stream_version}); }
 
 TEST(Golden, StreamsSayWhatTheySaid) {
     std::size_t count = 0;
@@ -66,7 +66,7 @@ TEST(Golden, TablesAreThoseOfTheSpecification) {
 TEST(Golden, AnUnknownVersionIsRefusedByItsName) {
     std::string bytes = content(folder() + "/both.bin");
     const std::size_t size = 2 + static_cast<std::uint8_t>(bytes[1]);
-    bytes[2] = static_cast<char>(wire2::stream_version + 1);
+    bytes[2] = static_cast<char>(wire::stream_version + 1);
     const std::uint32_t crc = crc32(bytes.data(), size);
     for (std::size_t i = 0; i < 4; ++i) bytes[size + i] = static_cast<char>(crc >> (8 * i));
     Listing listing;

@@ -7,8 +7,8 @@
 #include <memory>
 #include <random>
 
-#include "fairlead/pipeline2.hpp"
-#include "fairlead/wire2/live.hpp"
+#include "fairlead/pipeline.hpp"
+#include "fairlead/wire/live.hpp"
 
 using namespace fairlead;
 
@@ -37,12 +37,12 @@ Pose pose_at(std::int64_t t_ns) {
     return pose;
 }
 
-std::unique_ptr<Pipeline2<Board>> pipeline() {
-    Pipeline2<Board>::Params params;
+std::unique_ptr<Pipeline<Board>> pipeline() {
+    Pipeline<Board>::Params params;
     params.sample_period_ns = period_ns;
     params.tolerance.position_m = 0.002f;
     params.tolerance.orientation_rad = 0.01f;
-    return std::make_unique<Pipeline2<Board>>(params);
+    return std::make_unique<Pipeline<Board>>(params);
 }
 
 BasicVec3<double> wide(const Vec3& v) {
@@ -56,7 +56,7 @@ double angle(const BasicQuat<double>& a, const BasicQuat<double>& b) {
 
 TEST(LiveDecoder, KnowsPoseAtAnyTimeOfTheWindow) {
     const auto encoder = pipeline();
-    const auto live = std::make_unique<wire2::LiveDecoder<64>>();
+    const auto live = std::make_unique<wire::LiveDecoder<64>>();
     std::mt19937 random{11};
     std::map<std::int64_t, std::pair<Vec3, Quat>> answers;
     for (std::int64_t i = 0; i < 1200; ++i) {
@@ -99,33 +99,33 @@ TEST(LiveDecoder, KnowsPoseAtAnyTimeOfTheWindow) {
 
 TEST(LiveDecoder, VelocitiesAreThoseOfTheCurve) {
     const auto encoder = pipeline();
-    wire2::Decoder<3, 1> decoder;
+    wire::Decoder<3, 1> decoder;
     constexpr double h = 1e-4;
     constexpr std::int64_t h_ns = 100000;
     std::size_t compared = 0;
     for (std::int64_t i = 0; i < 600; ++i) {
         for (const std::uint8_t byte : encoder->push(pose_at(i * period_ns))) {
             if (!decoder.push(byte)) continue;
-            for (wire2::CurvePiece piece; decoder.next(piece);) {
+            for (wire::CurvePiece piece; decoder.next(piece);) {
                 const curve::Grid& grid = decoder.grid();
                 const std::int64_t t = grid.time_ns(piece.start) +
                                        (grid.time_ns(piece.end) - grid.time_ns(piece.start)) / 3;
                 if (piece.jumps || piece.end == piece.start) continue;
                 ++compared;
                 if (!piece.rotates) {
-                    const auto at = wire2::axis_motion(piece, grid, t);
-                    const double a = wire2::axis_motion<double>(piece, grid, t - h_ns).value,
-                                 b = wire2::axis_motion<double>(piece, grid, t).value,
-                                 c = wire2::axis_motion<double>(piece, grid, t + h_ns).value;
+                    const auto at = wire::axis_motion(piece, grid, t);
+                    const double a = wire::axis_motion<double>(piece, grid, t - h_ns).value,
+                                 b = wire::axis_motion<double>(piece, grid, t).value,
+                                 c = wire::axis_motion<double>(piece, grid, t + h_ns).value;
                     EXPECT_NEAR(at.value, b, 1e-6);
                     EXPECT_NEAR(at.velocity, (c - a) / (2 * h), 1e-4);
                     EXPECT_NEAR(at.acceleration, (c - 2 * b + a) / (h * h), 2e-3);
                     continue;
                 }
-                const auto at = wire2::turning(piece, grid, t);
-                const auto a = wire2::turning<double>(piece, grid, t - h_ns).q_wb,
-                           b = wire2::turning<double>(piece, grid, t).q_wb,
-                           c = wire2::turning<double>(piece, grid, t + h_ns).q_wb;
+                const auto at = wire::turning(piece, grid, t);
+                const auto a = wire::turning<double>(piece, grid, t - h_ns).q_wb,
+                           b = wire::turning<double>(piece, grid, t).q_wb,
+                           c = wire::turning<double>(piece, grid, t + h_ns).q_wb;
                 const auto over = [](const BasicQuat<double>& from, const BasicQuat<double>& to,
                                      double s) { return (2 / s) * vec(conj(from) * to); };
                 const auto rate = over(a, c, 2 * h);
@@ -144,7 +144,7 @@ TEST(LiveDecoder, VelocitiesAreThoseOfTheCurve) {
 
 TEST(LiveDecoder, ForgetsTheOldestPieceAndJoinsLate) {
     const auto encoder = pipeline();
-    const auto small = std::make_unique<wire2::LiveDecoder<2>>();
+    const auto small = std::make_unique<wire::LiveDecoder<2>>();
     for (std::int64_t i = 0; i < 1200; ++i)
         for (const std::uint8_t byte : encoder->push(pose_at(i * period_ns))) small->push(byte);
     ASSERT_TRUE(small->position_until_ns());
@@ -154,7 +154,7 @@ TEST(LiveDecoder, ForgetsTheOldestPieceAndJoinsLate) {
 
 TEST(LiveDecoder, ANewRunForgetsTheOneBefore) {
     const auto encoder = pipeline();
-    const auto live = std::make_unique<wire2::LiveDecoder<64>>();
+    const auto live = std::make_unique<wire::LiveDecoder<64>>();
     const auto push = [&](std::int64_t t_ns, std::int64_t truth_ns) {
         Pose pose = pose_at(truth_ns);
         pose.t_ns = t_ns;

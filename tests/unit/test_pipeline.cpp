@@ -1,7 +1,7 @@
 // The pipeline around its encoder: which records reach it, with which flags and limits, what each
 // call says, what refused parameters do. The encoder is a book that notes what it is given; the
 // bytes of the real one are tested with it.
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 
 #include <gtest/gtest.h>
 

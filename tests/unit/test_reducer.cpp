@@ -7,9 +7,10 @@
 #include <random>
 #include <vector>
 
-#include "fairlead/wire/encoder.hpp"
+#include "host_sim/baselines/earlier/wire/encoder.hpp"
 
 using namespace fairlead;
+using namespace fairlead::earlier;
 
 namespace {
 

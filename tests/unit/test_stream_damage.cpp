@@ -15,7 +15,7 @@ struct Outcome {
 };
 
 template <unsigned Bits>
-struct Checks : wire2::Everything {
+struct Checks : wire::Everything {
     static constexpr unsigned check_bits = Bits;
 };
 
@@ -28,7 +28,7 @@ Outcome run_line(double damage, std::size_t noise, int frames, std::uint64_t see
     options.ends = options.jumps = 0;
     options.size = 1;
     RandomStream source{options, seed}, dice{options, seed + 1};
-    wire2::Decoder<3, 1, Kinds, Checks<CheckBits>> reader;
+    wire::Decoder<3, 1, Kinds, Checks<CheckBits>> reader;
     std::map<std::int64_t, Writer::States> sent;
     Outcome out;
     bool wrong_before = false;
@@ -174,15 +174,15 @@ TEST(StreamDamage, AnyBytesAreHarmless) {
         RandomStream source{{}, random()};
         Reader reader;
         for (const auto b : source.header(true)) reader.push(b);
-        wire2::Link link = source.writer().link();
+        wire::Link link = source.writer().link();
         for (int i = 0; i < 20; ++i) {
             ByteVector frame(4 + random() % 60);
             for (auto& b : frame) b = static_cast<std::uint8_t>(random() % 3 == 0 ? 0 : random());
             frame[0] = static_cast<std::uint8_t>(frame.size() - 3);
-            append_crc16(frame.data(), frame.size() - 2, wire2::seed(link));
+            append_crc16(frame.data(), frame.size() - 2, wire::seed(link));
             std::size_t told = 0;
             for (const auto b : frame) told += reader.push(b);
-            wire2::CurvePiece piece;
+            wire::CurvePiece piece;
             while (reader.next(piece)) ++told;
             if (!reader.in_step()) break;
             link.end = reader.frame_end();
@@ -190,7 +190,7 @@ TEST(StreamDamage, AnyBytesAreHarmless) {
         }
         for (int i = 0; i < 2000; ++i)
             if (reader.push(static_cast<std::uint8_t>(random()))) {
-                wire2::CurvePiece piece;
+                wire::CurvePiece piece;
                 while (reader.next(piece)) {
                 }
             }

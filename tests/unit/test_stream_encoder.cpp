@@ -11,9 +11,9 @@
 namespace fairlead::test {
 namespace {
 
-using Both = wire2::Encoder<120, 2, wire2::Vector<3>, wire2::Orientation<>>;
-using Alone = wire2::Encoder<64, 0, wire2::Vector<2, wire2::Small>>;
-using Turning = wire2::Encoder<32, 0, wire2::Orientation<wire2::Small>>;
+using Both = wire::Encoder<120, 2, wire::Vector<3>, wire::Orientation<>>;
+using Alone = wire::Encoder<64, 0, wire::Vector<2, wire::Small>>;
+using Turning = wire::Encoder<32, 0, wire::Orientation<wire::Small>>;
 
 struct Dice {
     std::mt19937_64 engine;
@@ -81,7 +81,7 @@ struct Checked {
     using Params = typename Enc::Params;
     using Values = typename Enc::Values;
     static constexpr std::size_t channels = Enc::channel_count;
-    StreamCheck<Enc, wire2::Decoder<3, 1>> check;
+    StreamCheck<Enc, wire::Decoder<3, 1>> check;
     explicit Checked(const Params& params) : check{params} {}
     void push(std::int64_t t, const Values& v, std::uint32_t valid, std::uint32_t gaps, bool run) {
         check.push(t, v, valid, gaps, run);
@@ -107,9 +107,9 @@ void search(int streams, int records, std::array<float, Encoder::channel_count> 
         params.sample_period_ns = static_cast<std::int64_t>(1e9 / rate);
         params.delay_records = 8 + dice.below(Encoder::records_max - 7);
         if (dice.chance(0.3)) params.delay_records = Encoder::records_max;
-        params.restart_interval_ns = dice.chance(0.2) ? wire2::every_frame_ns
+        params.restart_interval_ns = dice.chance(0.2) ? wire::every_frame_ns
                                      : dice.chance(0.2)
-                                         ? wire2::never_ns
+                                         ? wire::never_ns
                                          : static_cast<std::int64_t>(3e9 * dice.unit());
         params.header_interval_ns = 1'000'000'000;
         const Kind kind{dice.chance(0.5) ? 0.0 : 0.3 * dice.unit(), dice.chance(0.5) ? 0.0 : 0.1,
@@ -196,7 +196,7 @@ TEST(StreamEncoder, OrientationsThatLeapAreHeldWhileAFrameIsStillInside) {
         typename Turning::Params params;
         params.tolerance = {0.0044f};
         params.delay_records = 24 + seed % 9;
-        params.restart_interval_ns = seed % 3 == 0 ? wire2::every_frame_ns : wire2::never_ns;
+        params.restart_interval_ns = seed % 3 == 0 ? wire::every_frame_ns : wire::never_ns;
         Checked<Turning> run{params};
         std::int64_t t = 0;
         double turn = 0;
@@ -282,7 +282,7 @@ TEST(StreamEncoder, EventsComeOutExactlyAndOnce) {
     params.tolerance = {0.001f, 0.0044f};
     params.event_delay_records = 3;
     auto encoder = std::make_unique<Both>(params);
-    wire2::Decoder<3, 1> decoder;
+    wire::Decoder<3, 1> decoder;
     std::vector<Event> sent, told;
     Dice dice{std::mt19937_64{3}};
     const auto take = [&](const Bytes& bytes) {
@@ -318,7 +318,7 @@ TEST(StreamEncoder, ACurveMayBeginAtTheWorstPlacesOfTheGrid) {
         Turning::Params params;
         params.tolerance = {static_cast<float>(0.002 + 0.05 * dice.unit())};
         params.delay_records = 16;
-        StreamCheck<Turning, wire2::Decoder<3, 1>> check{params};
+        StreamCheck<Turning, wire::Decoder<3, 1>> check{params};
         const auto near_half = [&] {
             return static_cast<float>(dice.chance(0.5) ? 0.5 : -0.5) +
                    static_cast<float>(1e-4 * dice.unit());

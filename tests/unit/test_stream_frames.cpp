@@ -66,7 +66,7 @@ bool same(const Writer::States& a, const Reader::States& b) {
 
 /// What a reader told, and whether any of it differs from what was sent.
 struct Told {
-    std::vector<wire2::CurvePiece> pieces;
+    std::vector<wire::CurvePiece> pieces;
     std::size_t frames{0}, wrong{0};
 };
 
@@ -80,7 +80,7 @@ Told read(R& reader, const ByteVector& bytes, const std::vector<Sent>& sent, boo
         ++told.frames;
         const auto range = by_end.equal_range(reader.frame_end());
         bool known = false;
-        wire2::CurvePiece piece;
+        wire::CurvePiece piece;
         const bool hidden = reader.states().hidden != 0;
         while (drain && reader.next(piece)) told.pieces.push_back(piece);
         // a reader that has just joined does not know the slopes yet
@@ -143,18 +143,18 @@ TEST(Stream, PiecesJoinAndReachTheStates) {
         const Stream stream{some_options(seed), seed, 40};
         Reader reader;
         const Told told = read(reader, stream.all, stream.frames);
-        std::map<std::pair<int, int>, wire2::CurvePiece> before;
-        for (const wire2::CurvePiece& p : told.pieces) {
+        std::map<std::pair<int, int>, wire::CurvePiece> before;
+        for (const wire::CurvePiece& p : told.pieces) {
             const auto key = std::make_pair(int{p.channel}, int{p.axis});
-            const auto at = [](const wire2::CurvePiece& q, double ticks) {
-                return q.rotates ? wire2::rotation_at(q, ticks)
+            const auto at = [](const wire::CurvePiece& q, double ticks) {
+                return q.rotates ? wire::rotation_at(q, ticks)
                                  : BasicQuat<double>{0, q.steps_at(ticks), 0, 0};
             };
             if (p.begins) {
                 ASSERT_TRUE(before.count(key) == 0 || before[key].ends) << seed;
             } else {
                 ASSERT_EQ(before.count(key), 1u);
-                const wire2::CurvePiece& q = before[key];
+                const wire::CurvePiece& q = before[key];
                 ASSERT_FALSE(q.ends) << seed;
                 ASSERT_EQ(q.end, p.start) << seed;
                 const bool only_ends = p.start == p.end;  // tells no value

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "examples/firmware/motion.hpp"
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 #include "host_sim/recording/recording.hpp"
 #include "host_sim/timing.hpp"
 
@@ -20,8 +20,8 @@ struct Board {
     static constexpr std::size_t events_max = 0;
 };
 
-Pipeline2<Board>::Params params() {
-    Pipeline2<Board>::Params params;
+Pipeline<Board>::Params params() {
+    Pipeline<Board>::Params params;
     params.sample_period_ns = motion::step_ns;
     params.filter = Board::Filter{binomial_mask<9>()};
     return params;
@@ -119,7 +119,7 @@ TEST(Timing, CyclesPerInstructionAreARange) {
 }
 
 TEST(Timing, AReplayTellsTheBytesOfEveryPush) {
-    Pipeline2<Board> pipeline{params()}, other{params()};
+    Pipeline<Board> pipeline{params()}, other{params()};
     std::vector<Pose> records;
     std::size_t bytes = 0;
     for (std::int64_t n = 0; n < motion::records; ++n) {

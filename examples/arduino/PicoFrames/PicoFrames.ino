@@ -17,7 +17,7 @@ struct Board {
   static constexpr fairlead::Beam beam = fairlead::Beam::narrow;
   static constexpr std::size_t events_max = 2;  // that may wait
 };
-using Motion = fairlead::Pipeline2<Board>;
+using Motion = fairlead::Pipeline<Board>;
 
 Motion::Params params() {
   Motion::Params p;

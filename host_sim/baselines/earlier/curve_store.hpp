@@ -9,10 +9,12 @@
 #include <string_view>
 #include <vector>
 
-#include "fairlead/reduce/evaluate.hpp"
-#include "fairlead/wire/decoder.hpp"
+#include "host_sim/baselines/earlier/reduce/evaluate.hpp"
+#include "host_sim/baselines/earlier/wire/decoder.hpp"
 
 namespace fairlead::sim::earlier {
+
+using namespace fairlead::earlier;
 
 /// The pieces of one channel, in time.
 template <class Channel>

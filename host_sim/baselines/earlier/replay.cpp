@@ -3,12 +3,14 @@
 #include <array>
 #include <optional>
 
-#include "fairlead/wire/encoder.hpp"
 #include "host_sim/baselines/earlier/curve_store.hpp"
+#include "host_sim/baselines/earlier/wire/encoder.hpp"
 #include "host_sim/replay_board.hpp"
 #include "host_sim/replay_judge.hpp"
 
 namespace fairlead::sim::earlier {
+
+using namespace fairlead::earlier;
 namespace {
 
 /// The earlier encoder as the codec of a pipeline. The width of the search is its slice of work.

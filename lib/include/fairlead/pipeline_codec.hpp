@@ -12,7 +12,7 @@
 #include "fairlead/board.hpp"
 #include "fairlead/sense/intake.hpp"
 #include "fairlead/stream_params.hpp"
-#include "fairlead/wire2/encoder.hpp"
+#include "fairlead/wire/encoder.hpp"
 
 namespace fairlead {
 
@@ -20,15 +20,15 @@ namespace detail {
 
 template <Beam beam>
 using BeamOf =
-    std::conditional_t<beam == Beam::narrow, wire2::Small,
-                       std::conditional_t<beam == Beam::medium, wire2::Medium, wire2::Large>>;
+    std::conditional_t<beam == Beam::narrow, wire::Small,
+                       std::conditional_t<beam == Beam::medium, wire::Medium, wire::Large>>;
 
 /// A channel of a board as the wire has it: its tag, its value in a record, its bits there.
 template <class Channel, Beam beam>
 struct WireChannel;
 template <Beam beam>
 struct WireChannel<Position, beam> {
-    using Tag = wire2::Vector<3, BeamOf<beam>>;
+    using Tag = wire::Vector<3, BeamOf<beam>>;
     static constexpr flag::Bits valid = flag::position_valid, gap = flag::position_gap;
     static std::array<float, 3> value(const Pose& pose) noexcept {
         return {pose.p_w_m.x, pose.p_w_m.y, pose.p_w_m.z};
@@ -40,7 +40,7 @@ struct WireChannel<Position, beam> {
 };
 template <Beam beam>
 struct WireChannel<Orientation, beam> {
-    using Tag = wire2::Orientation<BeamOf<beam>>;
+    using Tag = wire::Orientation<BeamOf<beam>>;
     static constexpr flag::Bits valid = flag::orientation_valid, gap = flag::orientation_gap;
     static const Quat& value(const Pose& pose) noexcept { return pose.q_wb; }
     template <class AnyTolerance>
@@ -50,7 +50,7 @@ struct WireChannel<Orientation, beam> {
 };
 template <std::size_t D, Beam beam>
 struct WireChannel<Vector<D>, beam> {
-    using Tag = wire2::Vector<D, BeamOf<beam>>;
+    using Tag = wire::Vector<D, BeamOf<beam>>;
     static constexpr flag::Bits valid = flag::vector_valid, gap = flag::vector_gap;
     static const std::array<float, D>& value(const VectorSample<D>& sample) noexcept {
         return sample.value;
@@ -68,8 +68,8 @@ template <class Board, class... Channel>
 class StreamEncoderOf<Board, Channels<Channel...>> {
     template <class C>
     using Carried = WireChannel<C, Board::beam>;
-    using Inner = wire2::Encoder<Board::delay_records_max - 1, Board::events_max,
-                                 typename Carried<Channel>::Tag...>;
+    using Inner = wire::Encoder<Board::delay_records_max - 1, Board::events_max,
+                                typename Carried<Channel>::Tag...>;
     static_assert(((tolerance_min<Channel> == Carried<Channel>::Tag::tolerance_min &&
                     tolerance_max<Channel> == Carried<Channel>::Tag::tolerance_max) &&
                    ...),

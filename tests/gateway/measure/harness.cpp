@@ -20,7 +20,7 @@
 #include <random>
 
 #include "fairlead/math/quat.hpp"
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 #include "port/linux/clock.hpp"
 
 namespace fairlead::gateway::measure {
@@ -140,7 +140,7 @@ Pose motion_of(const BoardOnLine::Settings& settings, std::uint64_t i) {
 }
 
 void BoardOnLine::run() {
-    using Chain = Pipeline2<MeasuredBoard>;
+    using Chain = Pipeline<MeasuredBoard>;
     Chain::Params params;
     params.sample_period_ns = period_ns();
     params.tolerance.position_m = tolerance_m;

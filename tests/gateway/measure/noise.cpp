@@ -16,7 +16,7 @@
 
 #include "examples/gateway/follower.hpp"
 #include "examples/gateway/unit_table.hpp"
-#include "fairlead/pipeline2.hpp"
+#include "fairlead/pipeline.hpp"
 #include "tests/gateway/measure/harness.hpp"
 
 namespace fairlead::gateway::measure {
@@ -61,21 +61,21 @@ class SpoilingLine {
 std::size_t data_frame_size(const Bytes& bytes) {
     for (std::size_t at = 0; at + 1 < bytes.size;) {
         const std::uint8_t first = bytes.data[at];
-        if (first <= wire2::payload_max) return std::size_t{first} + 3;
-        at += 2 + std::size_t{bytes.data[at + 1]} + wire2::crc_size;  // a header or events
+        if (first <= wire::payload_max) return std::size_t{first} + 3;
+        at += 2 + std::size_t{bytes.data[at + 1]} + wire::crc_size;  // a header or events
     }
     return 0;
 }
 
 Outcome run(const Case& c, double seconds) {
     const BoardOnLine::Settings settings;
-    Pipeline2<MeasuredBoard>::Params params;
+    Pipeline<MeasuredBoard>::Params params;
     params.sample_period_ns = static_cast<std::int64_t>(1e9 / settings.rate_hz);
     params.tolerance.position_m = BoardOnLine::tolerance_m;
     params.tolerance.orientation_rad = BoardOnLine::tolerance_rad;
     params.restart_interval_ns = static_cast<std::int64_t>(c.restart_s * 1e9);
     params.delay_records = c.delay;
-    const auto board = std::make_unique<Pipeline2<MeasuredBoard>>(params);
+    const auto board = std::make_unique<Pipeline<MeasuredBoard>>(params);
     UnitState state;
     state.epoch = 1;
     const auto feed = std::make_unique<UnitFeed>();

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "examples/firmware/config.hpp"
-#include "fairlead/wire2/live.hpp"
+#include "fairlead/wire/live.hpp"
 #include "tests/target/encoder_stage.hpp"
 #include "tests/target/errors/streams.hpp"
 
@@ -28,9 +28,9 @@ class Curves {
         while (decoder_.finish()) take();
     }
     /// The piece of an axis, or of the rotation, that holds at t_ns; null: none.
-    const wire2::CurvePiece* at(bool rotates, std::size_t axis, std::int64_t t_ns) const {
+    const wire::CurvePiece* at(bool rotates, std::size_t axis, std::int64_t t_ns) const {
         for (const auto& p : pieces_)
-            if (p.rotates == rotates && p.axis == axis && wire2::holds_at(p, decoder_.grid(), t_ns))
+            if (p.rotates == rotates && p.axis == axis && wire::holds_at(p, decoder_.grid(), t_ns))
                 return &p;
         return nullptr;
     }
@@ -38,11 +38,11 @@ class Curves {
 
   private:
     void take() {
-        for (wire2::CurvePiece piece; decoder_.next(piece);)
+        for (wire::CurvePiece piece; decoder_.next(piece);)
             if (piece.end > piece.start || piece.begins) pieces_.push_back(piece);
     }
-    wire2::Decoder<3, 1> decoder_{};
-    std::vector<wire2::CurvePiece> pieces_{};
+    wire::Decoder<3, 1> decoder_{};
+    std::vector<wire::CurvePiece> pieces_{};
 };
 
 /// How far the curves are from what the guarantee speaks of: within tol_m an axis, and tol_rad.
@@ -55,7 +55,7 @@ inline void compare(const Curves& curves, const Pose& pose, bool position, bool 
             all.kept = false;
             continue;
         }
-        const double told = wire2::axis_motion<double>(*piece, curves.grid(), pose.t_ns).value;
+        const double told = wire::axis_motion<double>(*piece, curves.grid(), pose.t_ns).value;
         const double e = told - static_cast<double>(p[a]);
         all.kept = all.kept && std::abs(e) <= tol_m;
         all.error.position({static_cast<float>(e), 0, 0}, {});
@@ -66,7 +66,7 @@ inline void compare(const Curves& curves, const Pose& pose, bool position, bool 
         all.kept = false;
         return;
     }
-    const auto q = wire2::turning<double>(*piece, curves.grid(), pose.t_ns).q_wb;
+    const auto q = wire::turning<double>(*piece, curves.grid(), pose.t_ns).q_wb;
     const double angle = ref::angle(ref::unit({q.w, q.x, q.y, q.z}), ref::unit(ref::of(pose.q_wb)));
     all.kept = all.kept && angle <= tol_rad * 1.0001;  // the measuring angle rounds, too
     all.error.angle(angle);

@@ -4,7 +4,7 @@
 // next good frame is seen, too: a flipped bit; or a head of the longest frame, which holds back all
 // that follows it; or a frame's worth of heads whose frames end together, so that all of them are
 // tested at one time.
-#include "fairlead/wire2/decoder.hpp"
+#include "fairlead/wire/decoder.hpp"
 #include "tests/target/encoder_stage.hpp"
 
 struct Subject {
@@ -21,7 +21,7 @@ struct Subject {
     using Source =
         fairlead::target::EncoderStage<fairlead::target::Both, 32, fairlead::Beam::narrow>;
 
-    fairlead::wire2::Decoder<3, 1> decoder{};
+    fairlead::wire::Decoder<3, 1> decoder{};
     std::array<std::uint8_t, portion> bytes{};
     std::size_t size{0};
     std::uint32_t damage_in{11}, dice{1};
@@ -53,7 +53,7 @@ struct Subject {
     std::optional<Output> push(const fairlead::target::Record&) {
         bool stepped = false;
         Output out{};
-        fairlead::wire2::CurvePiece piece;
+        fairlead::wire::CurvePiece piece;
         for (std::size_t i = 0; i < size; ++i) {
             if (!decoder.push(bytes[i])) continue;
             while (decoder.next(piece)) {
@@ -69,12 +69,12 @@ struct Subject {
     std::optional<Output> flush() { return std::nullopt; }
 
   private:
-    static constexpr std::size_t whole = fairlead::wire2::data_frame_max;
+    static constexpr std::size_t whole = fairlead::wire::data_frame_max;
 
-    static void tell(const fairlead::wire2::CurvePiece& piece, Output& out) {
+    static void tell(const fairlead::wire::CurvePiece& piece, Output& out) {
         const auto ticks = static_cast<float>(piece.end - piece.start) / 64;
         if (piece.rotates) {
-            const fairlead::Quat q = fairlead::wire2::rotation_at(piece, ticks);
+            const fairlead::Quat q = fairlead::wire::rotation_at(piece, ticks);
             out.value = {q.w, q.x, q.y, q.z};
         } else {
             out.value[piece.axis % 4] += piece.steps_at(ticks);

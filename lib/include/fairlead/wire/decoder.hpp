@@ -1,272 +1,437 @@
 #pragma once
-// Bytes in, curves out: finds frames, notices damage, and rebuilds the encoder's curves bit for
-// bit.
+// Bytes in, pieces of curves out: the encoder's curves, bit for bit. Includes nothing of the
+// encoder.
 //
-// push() takes one byte; when it finds a good frame, next() gives what the frame says, one piece at
-// a time, and next_event() the events. After damage or loss no curve is believed until the next
-// restart frame; events need none.
+//     for each byte:
+//         if (decoder.push(byte)) {
+//             while (decoder.next(piece)) ...          // pieces of this frame, track by track
+//             while (decoder.next_event(event)) ...
+//         }
+//     while (decoder.finish()) ...                     // as push: the input has ended
 //
-// Bounded memory and work. Damage lets a decoder wait for the end of a frame that never was, and
-// then all bytes since its false head have to be searched again. A push tries `tries_per_byte`
-// places at most, each at a cost that does not depend on the frame's length (wire/backlog.hpp), and
-// takes one frame at most; the next pushes go on. So frames that were held back come out while
-// later bytes go in, at most max_frame / (tries_per_byte - 1) bytes late; undamaged ones with their
-// last byte. Out of step, a second place that looks like a head is watched beside the first, by two
-// tries more, so that one false head does not hold back the restart frame that ends the damage.
+// A frame takes effect when it is parsed: a reader that does not ask for its pieces loses these
+// pieces, and nothing else. The first bytes must hold a header frame, or the reader gives one that
+// it kept (adopt). Work per byte is bounded (wire/receiver.hpp): beside its tries, a push parses
+// at most `frames_parsed` frames.
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 
-#include "fairlead/wire/backlog.hpp"
+#include "fairlead/wire/content.hpp"
 #include "fairlead/wire/events.hpp"
-#include "fairlead/wire/layout.hpp"
+#include "fairlead/wire/receiver.hpp"
 
-namespace fairlead {
+namespace fairlead::wire {
 
-class Decoder {
-  public:
-    using Position = VectorChannel<3>;
-    using Orientation = OrientationChannel;
+/// A piece of one track, an axis or a rotation, between two vertices of its curve. start < end but
+/// for a curve of a single vertex.
+struct CurvePiece {
+    std::uint8_t channel{0};
+    std::uint8_t axis{0};             // of the channel; 0 for a rotation
+    bool rotates{false};              // 3 components about the anchor; else 1
+    bool begins{false};               // a curve starts: nothing joins it to what was before
+    bool jumps{false};                // the value jumped at the piece's start: a break
+    bool ends{false};                 // the curve ends with this piece
+    bool fresh{false};                // a cubic leads from the slope to that of the chord
+    std::uint8_t code{0};             // curve/lengths.hpp
+    std::int64_t start{0}, end{0};    // sub-ticks since the run's base; Grid::time_ns() gives ns
+    std::array<std::int32_t, 3> v{};  // lattice steps at the start
+    std::array<std::int32_t, 3> s{};  // slope there, 1/960 step a tick; of a jump: its size, steps
+    std::array<float, 3> rise{};      // steps from start to end
+    Quat anchor{};                    // of a rotation
+    curve::Scale scale{};             // of the lattice: value = steps * scale.step()
 
-    struct Counters {
-        std::uint32_t frames{0};    // good ones, of curves
-        std::uint32_t restarts{0};  // of them, restart frames
-        std::uint32_t damaged{0};   // losses of step: a bad checksum, a missing frame, nonsense
-        std::uint32_t skipped_bytes{0};                       // passed over while out of step
-        std::uint32_t lost_frames{0};                         // by sequence numbers, modulo 2^8
-        std::uint64_t position_bits{0}, orientation_bits{0};  // of good frames, for each curve
-    };
-
-    enum class Channel : std::uint8_t { position, orientation };
-
-    /// One step of a curve: look at position() or orientation() for its state after the step.
-    struct Update {
-        Channel channel{};
-        bool piece{};     // a new polynomial took over at the curve's t0_ns
-        bool begins{};    // ... and starts a curve: nothing joins it to what was before
-        bool breaks{};    // ... in the middle of a motion, where the tolerance left no other way
-        bool rejoined{};  // ... known from a restart frame; same curve as before if in step all
-                          // along
-    };
-
-    static constexpr std::size_t tries_per_byte = 4;
-
-    /// @return true when a good frame was found: call next() and next_event() until they are empty.
-    bool push(std::uint8_t byte) noexcept {
-        bytes_.push(byte);
-        return find_frame(tries_per_byte);
+    /// Lattice steps of component c, `ticks` after the piece's start, which may have a fraction;
+    /// with Real = double the encoder's guarantee holds for it. A piece holds for times behind its
+    /// start up to its end, the first one of a curve also at its start.
+    template <class Real>
+    Real steps_at(Real ticks, std::size_t c = 0) const noexcept {
+        // a curve that begins with a jump has its first value at its start alone
+        if (jumps && begins && !(ticks > 0)) return static_cast<Real>(v[c] - s[c]);
+        return static_cast<Real>(v[c]) + polynomial<Real>(c).rise(ticks);
     }
-    /// The input has ended: looks for the next frame among the bytes that are left, also behind
-    /// what looked like the head of a longer one. As push(); call it until it returns false.
-    bool finish() noexcept {
-        ended_ = true;
-        return find_frame(wire::Backlog::live_max);
+    /// Steps a tick, and steps a tick^2.
+    template <class Real>
+    Real rate_at(Real ticks, std::size_t c = 0) const noexcept {
+        return polynomial<Real>(c).rate(ticks);
     }
-
-    /// The next step that the frame tells. @return false when there is none left.
-    bool next(Update& update) noexcept {
-        for (; turn_ < turns; ++turn_) {
-            if (turn_ == 0 ? step(position_, position_batch_, Channel::position, update)
-                           : step(orientation_, orientation_batch_, Channel::orientation, update))
-                return true;
-            step_ = 0;
-        }
-        return false;
+    template <class Real>
+    Real bend_at(Real ticks, std::size_t c = 0) const noexcept {
+        return polynomial<Real>(c).bend(ticks);
     }
-
-    /// The next event that the frame tells, each only once. flag::gap_before: events before it are
-    /// missing. @return false when there is none left.
-    bool next_event(Event& event) noexcept { return events_.next(event); }
-
-    bool in_step() const noexcept { return in_step_; }
-    const wire::Link<Position>& position() const noexcept { return position_; }
-    const wire::Link<Orientation>& orientation() const noexcept { return orientation_; }
-    std::uint32_t tick_ns() const noexcept { return header_.tick_ns; }
-    /// The encoder's time, within a tick, when it made the latest restart frame.
-    std::int64_t restart_ns() const noexcept { return header_.base_ns; }
-    const Counters& counters() const noexcept { return counters_; }
-    const EventReader::Counters& event_counters() const noexcept { return events_.counters(); }
-
-  private:
-    static constexpr std::size_t batch_knots = 8;
-    static constexpr std::uint8_t turns = 2;
-
-    /// What the first bytes of the backlog say of the frame that they would begin.
-    struct Head {
-        std::size_t size{1};     // of the head itself
-        std::size_t payload{0};  // bytes that follow it, before the checksum
-        std::uint16_t seed{0};
-        bool event{false}, restart{false};
-
-        std::size_t sealed() const noexcept { return size + payload; }
-        std::size_t frame() const noexcept { return sealed() + 2; }
-        bool possible() const noexcept { return payload > 0 && payload <= wire::max_payload; }
-    };
-
-    /// Looks for a frame at the front of the backlog; gives up bytes that cannot start one.
-    bool find_frame(std::size_t tries) noexcept {
-        for (; tries > 0 && bytes_.size() > 0; --tries) {
-            if (may_begin(0)) {
-                if (bytes_.size() == 1 && bytes_[0] >= 0x80 && !ended_) return false;
-                const Head head = read_head(0);
-                const bool whole = bytes_.size() >= head.frame();
-                if (head.possible() && !whole && !ended_) {
-                    if (!find_later()) return false;
-                    continue;
-                }
-                if (head.possible() && whole && bytes_.sealed(0, head.sealed(), head.seed) &&
-                    parse(head)) {
-                    bytes_.drop(head.frame());
-                    later_ = 0;
-                    return true;
-                }
-            }
-            give_up_byte();
-        }
-        return false;
+    template <class Real>
+    curve::Polynomial<Real> polynomial(std::size_t c) const noexcept {
+        if (start == end) return {};
+        const auto h = static_cast<std::int32_t>((end - start) / curve::subs_per_tick);
+        return curve::polynomial<Real>(code, fresh, s[c], static_cast<Real>(rise[c]), h);
     }
-
-    /// What looks like a head waits for its rest. Out of step it may be none, so the next place
-    /// that looks like one is watched, too: where a frame is sealed there, the bytes before it are
-    /// given up. @return whether it stands at the front now.
-    bool find_later() noexcept {
-        if (in_step_) return false;
-        for (std::size_t tries = 2; tries > 0; --tries, ++later_) {
-            if (later_ + 3 > bytes_.size()) return false;
-            if (later_ == 0 || !may_begin(later_)) continue;
-            const Head head = read_head(later_);
-            if (!head.possible()) continue;
-            if (later_ + head.frame() > bytes_.size()) return false;
-            if (!bytes_.sealed(later_, head.sealed(), head.seed)) continue;
-            counters_.skipped_bytes += static_cast<std::uint32_t>(later_);
-            bytes_.drop(later_);
-            later_ = 0;
-            return true;
-        }
-        return false;
+    /// From the start to the end.
+    double ticks() const noexcept {
+        return static_cast<double>(end - start) / curve::subs_per_tick;
     }
-
-    /// Out of step only frames that need no step are looked for. They are believed from their
-    /// version on: a stray byte must not hold back what follows until its length has come.
-    bool may_begin(std::size_t at) const noexcept {
-        const std::uint8_t first = bytes_[at];
-        if (first < wire::stepless_head) return in_step_;
-        const auto version = first >= wire::event_head ? wire::event_version : wire::version;
-        return bytes_.size() < at + 3 || bytes_[at + 2] == version;
-    }
-
-    void give_up_byte() noexcept {
-        if (in_step_) ++counters_.damaged;
-        in_step_ = false;
-        ++counters_.skipped_bytes;
-        later_ -= later_ > 0;
-        bytes_.drop(1);
-    }
-
-    Head read_head(std::size_t at) const noexcept {
-        const std::uint8_t first = bytes_[at];
-        Head head;
-        head.event = first >= wire::event_head;
-        head.restart = first >= wire::stepless_head && !head.event;
-        head.seed = head.event     ? wire::event_seed
-                    : head.restart ? wire::restart_seed
-                                   : static_cast<std::uint16_t>(sequence_);
-        head.payload = first;
-        if (first >= 0x80) {
-            head.size = 2;
-            head.payload = (first & (head.event ? 0x1fu : 0x3fu)) * std::size_t{256};
-            if (bytes_.size() > at + 1) head.payload += bytes_[at + 1];
-        }
-        return head;
-    }
-
-    bool parse(const Head& head) noexcept {
-        BitReader io{bytes_.data() + head.size, head.payload};
-        return head.event ? events_.parse(io, head.frame()) : parse_curves(io, head.restart);
-    }
-
-    bool parse_curves(BitReader& io, bool restart) noexcept {
-        rejoined_ = false;
-        if (restart) {
-            wire::Header h;
-            wire::Link<Position> position;
-            wire::Link<Orientation> orientation;
-            if (!wire::header(io, h)) return false;
-            wire::state(io, position, h.base_ns, h.tick_ns);
-            wire::state(io, orientation, h.base_ns, h.tick_ns);
-            if (!io.ok()) return false;
-            if (known_) counters_.lost_frames += (h.sequence - sequence_) & wire::sequence_mask;
-            rejoined_ = !in_step_;
-            known_ = true;
-            header_ = h;
-            sequence_ = h.sequence;
-            position_ = position;
-            orientation_ = orientation;
-        }
-        const std::size_t head_bits = io.used_bits();
-        if (!wire::content(io, position_, position_batch_, header_.base_ns, header_.tick_ns))
-            return false;
-        const std::size_t position_end = io.used_bits();
-        if (!wire::content(io, orientation_, orientation_batch_, header_.base_ns, header_.tick_ns))
-            return false;
-        counters_.position_bits += position_end - head_bits;
-        counters_.orientation_bits += io.used_bits() - position_end;
-        in_step_ = true;
-        sequence_ = (sequence_ + 1) & wire::sequence_mask;
-        ++counters_.frames;
-        counters_.restarts += restart;
-        turn_ = 0;
-        step_ = 0;
-        return true;
-    }
-
-    template <class Link, class Frozen>
-    bool step(Link& link, const Frozen& batch, Channel channel, Update& update) noexcept {
-        update = {};
-        update.channel = channel;
-        if (step_ == 0) {  // what a decoder that was out of step has to take over
-            ++step_;
-            if (rejoined_ && link.active) {
-                update.piece = update.rejoined = true;
-                return true;
-            }
-        }
-        if (step_ == 1) {
-            ++step_;
-            if (batch.begins) {
-                wire::follow_start(link, batch);
-                update.piece = update.begins = true;
-                update.breaks = batch.breaks;
-                return true;
-            }
-        }
-        if (step_ < 2 + batch.size) {
-            wire::follow_knot(link, batch, step_ - 2, header_.tick_ns);
-            ++step_;
-            update.piece = true;
-            return true;
-        }
-        if (step_ == 2 + batch.size && batch.covers) {
-            ++step_;
-            link.cover_ticks = batch.cover_ticks;
-            return true;
-        }
-        return false;
-    }
-
-    wire::Backlog bytes_{};
-    std::size_t later_{0};  // a place behind the front that may hold a frame; 0: not yet looked
-    wire::Header header_{};
-    wire::Link<Position> position_{};
-    wire::Link<Orientation> orientation_{};
-    Batch<Position, batch_knots> position_batch_{};
-    Batch<Orientation, batch_knots> orientation_batch_{};
-    EventReader events_{};
-    Counters counters_{};
-    std::uint32_t sequence_{0};
-    std::size_t step_{0};
-    std::uint8_t turn_{turns};
-    bool ended_{false}, in_step_{false}, known_{false}, rejoined_{false};
 };
 
-}  // namespace fairlead
+/// The rotation of a piece, `ticks` after its start.
+template <class Real>
+BasicQuat<Real> rotation_at(const CurvePiece& p, Real ticks) noexcept {
+    const auto step = static_cast<Real>(p.scale.step());
+    const BasicVec3<Real> theta{step * p.steps_at(ticks, 0), step * p.steps_at(ticks, 1),
+                                step * p.steps_at(ticks, 2)};
+    const BasicQuat<Real> anchor{static_cast<Real>(p.anchor.w), static_cast<Real>(p.anchor.x),
+                                 static_cast<Real>(p.anchor.y), static_cast<Real>(p.anchor.z)};
+    return anchor * from_rotation_vector(theta);
+}
+
+/// What a decoder reads. What is off costs nothing.
+struct Everything {
+    static constexpr bool events = true;        // false: event frames are passed over
+    static constexpr bool independent = true;   // false: a stream of independent frames is refused
+    static constexpr unsigned check_bits = 16;  // see Receiver
+};
+struct CurvesAlone : Everything {
+    static constexpr bool events = false, independent = false;
+};
+
+/// Axes, Rotations: the most that the stream's channels may hold together. Kinds: of their pieces.
+/// Memory: sizeof.
+template <std::size_t Axes = 3, std::size_t Rotations = 1, class Kinds = KindSet<curve::Smooth>,
+          class Parts = Everything>
+class Decoder {
+    static_assert(Axes + Rotations <= 16 && Axes <= axes_max * channels_max);
+
+  public:
+    using Layout = Tracks<Axes, Rotations>;
+    using States = TrackStates<Axes, Rotations>;
+    using Frames = Receiver<Parts::check_bits>;
+    using Events = std::conditional_t<Parts::events, EventReader, NoEventReader>;
+    static constexpr std::size_t frames_parsed = 7;
+
+    enum class Refused : std::uint8_t {
+        nothing,
+        version,  // a header of another version of the format
+        content,  // a header that tells nonsense
+        shape,    // more than this decoder holds, another kind, or independent frames
+        foreign,  // a header of another stream than the one that is followed
+    };
+    struct Counters {
+        std::uint32_t headers{0};   // of the stream that is followed
+        std::uint32_t refused{0};   // headers that were not followed; refused() tells why
+        std::uint32_t nonsense{0};  // frames whose checks fitted and whose content was nonsense
+        std::uint32_t breaks{0};    // pieces that jump, as far as they were asked for
+    };
+
+    Decoder() noexcept {}  // at run time: no image of the memory stands in flash
+    /// Follows this stream alone; otherwise the first one whose header comes.
+    explicit Decoder(std::uint16_t stream_id) noexcept : stream_id_{stream_id}, chosen_{true} {}
+
+    /// @return true: a frame was parsed, ask next() and next_event().
+    bool push(std::uint8_t byte) noexcept {
+        frames_.add(byte);
+        return advance(Frames::tries_per_byte);
+    }
+    /// The input has ended: as push(), for what is left. Call it until it returns false.
+    bool finish() noexcept {
+        frames_.end();
+        return advance(3 * data_frame_max);
+    }
+    /// A header frame that the reader kept from earlier: data can be decoded before the next one
+    /// comes, from a restart frame on, if the stream is still the same. @return false: refused.
+    bool adopt(const std::uint8_t* frame, std::size_t size) noexcept {
+        Header header;
+        const HeaderFault fault = read_header(frame, size, header);
+        header.starts = false;
+        return take_header(fault, header);
+    }
+
+    /// The next piece that the frame tells, track by track. @return false: none is left.
+    bool next(CurvePiece& piece) noexcept {
+        for (;;) {
+            if (step_ == Step::points && point(piece)) return true;
+            if (step_ != Step::pieces || content_.done(layout_)) return false;
+            if (step(piece)) return true;
+        }
+    }
+    /// The next event that the frame tells, each only once. @return false: none is left.
+    bool next_event(Event& event) noexcept { return events_.next(event); }
+
+    bool in_step() const noexcept { return frames_.in_step(); }
+    /// The stream that is followed. run_index counts runs from 1; 0: no header yet. Two runs may
+    /// have the same number in the stream (a board that was reset), never the same index.
+    std::uint16_t stream_id() const noexcept { return stream_id_; }
+    std::uint16_t run() const noexcept { return run_; }
+    std::uint32_t run_index() const noexcept { return run_index_; }
+    const curve::Grid& grid() const noexcept { return grid_; }
+    const Layout& layout() const noexcept { return layout_; }
+    /// Tolerance over lattice step of a channel, as the stream tells it.
+    float tolerance_steps(std::size_t channel) const noexcept {
+        return static_cast<float>(layout_.channel[channel].tolerance) * (1.0f / 32768.0f);
+    }
+    /// Bytes of the latest frame's payload that next() has read: what the pieces told so far cost.
+    std::size_t payload_read() const noexcept { return io_.taken(); }
+    /// Of the latest frame, in sub-ticks.
+    std::int64_t frame_start() const noexcept { return head_.start; }
+    std::int64_t frame_end() const noexcept { return head_.end; }
+    /// The state at the end of the latest frame: equal in all readers that are in step.
+    const States& states() const noexcept { return states_; }
+    Refused refused() const noexcept { return refused_; }
+    const Counters& counters() const noexcept { return counters_; }
+    const typename Frames::Counters& frame_counters() const noexcept { return frames_.counters(); }
+    const EventCounters& event_counters() const noexcept { return events_.counters(); }
+
+  private:
+    using Frame = typename Frames::Frame;
+    using Found = typename Frames::Found;
+    using Reader = Content<code::RangeDecoder, Axes, Rotations, Kinds, Parts::independent>;
+    enum class Step : std::uint8_t { none, points, pieces };
+
+    bool advance(std::size_t tries) noexcept {
+        step_ = Step::none;
+        events_.close();
+        const FrameHead latest = head_;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const Found found = frames_.find(tries);
+            const Frame& frame = frames_.frame();
+            if (found == Found::nothing) return false;
+            if (found == Found::header) {
+                Header header;
+                const HeaderFault fault = read_header(frame.data, frame.size, header);
+                take_header(fault, header);
+            } else if (found == Found::events) {
+                if (events_.parse(frame.data + 2, frame.size - 2 - crc_size, grid_.base_ns))
+                    return true;
+            } else if (found == Found::data) {
+                if (take_frame(frame)) return true;
+                head_ = latest;
+                frames_.refuse_frame();
+            } else {
+                const bool good = agrees();
+                head_ = latest;
+                counters_.nonsense += !good;
+                good ? frames_.accept() : frames_.refuse();
+            }
+        }
+        return false;
+    }
+
+    bool take_header(HeaderFault fault, const Header& header) noexcept {
+        const StreamShape& shape = header.shape;
+        Layout layout;
+        refused_ = fault == HeaderFault::unknown_version      ? Refused::version
+                   : fault != HeaderFault::none               ? Refused::content
+                   : chosen_ && shape.stream_id != stream_id_ ? Refused::foreign
+                   : !fits(shape, layout)                     ? Refused::shape
+                                                              : Refused::nothing;
+        if (refused_ != Refused::nothing) {
+            ++counters_.refused;
+            return false;
+        }
+        ++counters_.headers;
+        if (header.starts || run_index_ == 0 || header.digest != frames_.header_digest()) {
+            ++run_index_;
+            states_ = {};
+        }
+        chosen_ = true;
+        stream_id_ = shape.stream_id;
+        run_ = shape.run;
+        grid_ = {shape.base_ns, shape.timing.sub_ns};
+        layout_ = layout;
+        frames_.follow_header(shape.timing, header.digest, header.end, header.starts);
+        return true;
+    }
+    /// Can this decoder follow such a stream? Lays out its channels.
+    bool fits(const StreamShape& shape, Layout& layout) const noexcept {
+        bool good = layout.take(shape) && (Parts::independent || !shape.timing.independent);
+        for (std::size_t c = 0; c < layout.channels; ++c)
+            good = good && Kinds::has(layout.channel[c].kind);
+        return good;
+    }
+
+    /// Opens a frame, from the states before it: its pieces can be told. @return false: nonsense.
+    bool open(const Frame& frame, std::int64_t before, bool joins, const States& from) noexcept {
+        if (joins)
+            walk_ = {};
+        else
+            walk_ = from;
+        content_ = {};
+        io_ = {frame.payload(), frame.payload_size()};
+        const Reading reading = !joins   ? Reading::in_step
+                                : lone() ? Reading::lone
+                                         : Reading::joining;
+        Places<Axes, Rotations> first;
+        return code_head(io_, head_, frames_.timing(), before, joins) &&
+               content_.open(io_, layout_, walk_, head_, frames_.timing().independent, reading,
+                             first);
+    }
+    /// Goes to the end of the frame, without a change of what will be told. @return false:
+    /// nonsense.
+    bool run(bool joins, States& states) const noexcept {
+        if (joins && !lone()) {  // nothing can be drawn before the next frame
+            content_.join(layout_, states);
+            return true;
+        }
+        Reader reader = content_;
+        code::RangeDecoder io = io_;
+        curve::Piece<3> piece;
+        states = walk_;
+        while (!reader.done(layout_))
+            if (!reader.piece(io, layout_, states, piece.code, piece.subs, piece.k.data()))
+                return false;
+        reader.close(layout_, states);
+        return io.finished();
+    }
+    bool take_frame(const Frame& frame) noexcept {
+        const bool joins = frames_.joining();
+        States end;
+        if (!open(frame, frame.before, joins, states_) || !run(joins, end)) {
+            ++counters_.nonsense;
+            return false;
+        }
+        states_ = end;
+        point_ = 0;
+        if (joins) pending_ = 0xffff;
+        if (joins && !lone()) return true;
+        begin_curves();
+        step_ = Step::points;
+        return true;
+    }
+    /// Do the frames of the chain make sense one after another?
+    bool agrees() noexcept {
+        States states = states_;
+        std::int64_t before = frames_.chain_base();
+        for (std::size_t i = 0; i < frames_.chain_size(); ++i) {
+            const bool joins = i == 0 && frames_.chain_joins();
+            if (!open(frames_.chain_frame(i), before, joins, states) || !run(joins, states))
+                return false;
+            before = head_.end;
+        }
+        return true;
+    }
+    bool lone() const noexcept { return Parts::independent && frames_.timing().independent; }
+
+    // ---- telling a frame again, piece by piece
+
+    /// Where the track stands.
+    void describe(CurvePiece& piece, std::size_t channel, std::size_t track) noexcept {
+        const TrackRange& range = layout_.channel[channel];
+        const curve::StateView state = walk_.track(range, track);
+        piece = {};
+        piece.channel = static_cast<std::uint8_t>(channel);
+        piece.axis = static_cast<std::uint8_t>(track);
+        piece.rotates = range.rotates;
+        piece.fresh = state.history.fresh;
+        piece.scale = layout_.scale_of(range, track);
+        for (std::size_t c = 0; c < state.n; ++c) {
+            piece.v[c] = state.v[c];
+            piece.s[c] = state.s[c];
+        }
+        if constexpr (Rotations > 0)
+            if (Layout::turns(range)) piece.anchor = walk_.rotation[range.first].anchor;
+    }
+    /// Curves of a single vertex, and those that ended with the frame before, have no piece here:
+    /// told as pieces without duration; of the latter only that they ended.
+    bool point(CurvePiece& piece) noexcept {
+        constexpr std::size_t tracks = Axes + Rotations;
+        while (point_ < 2 * tracks) {  // first the curves that ended, then those of this frame
+            const bool over = point_ < tracks;
+            std::size_t channel = 0, track = point_++ % tracks;
+            while (channel < layout_.channels && track >= layout_.channel[channel].count)
+                track -= layout_.channel[channel++].count;
+            if (channel >= layout_.channels) continue;
+            const ChannelFrame& frame = content_.channel[channel];
+            const bool lone =
+                !over && frame.present && !frame.goes_on && frame.start_tick == frame.end_tick;
+            if (!lone && !(over && frame.over)) continue;
+            piece = {};
+            if (lone) describe(piece, channel, track);
+            piece.channel = static_cast<std::uint8_t>(channel);
+            piece.axis = static_cast<std::uint8_t>(track);
+            piece.rotates = layout_.channel[channel].rotates;
+            piece.code = curve::code::jump;
+            piece.begins = lone && take_pending(channel, track);
+            piece.ends = true;
+            piece.start = head_.start + (lone ? frame.start_tick * sub_per_tick : 0);
+            piece.end = piece.start;
+            return true;
+        }
+        step_ = Step::pieces;
+        return false;
+    }
+    /// @return false: the piece is not to be told: its slope is not known, or it takes no time.
+    bool step(CurvePiece& piece) noexcept {
+        const typename Reader::Place place = content_.place();
+        const ChannelFrame& frame = content_.channel[place.channel];
+        const TrackRange& range = layout_.channel[place.channel];
+        describe(piece, place.channel, place.track);
+        curve::Piece<3> next;
+        content_.piece(io_, layout_, walk_, next.code, next.subs, next.k.data());
+        if (next.code == curve::code::rebase) return false;
+        const std::int64_t last = head_.start + frame.end_tick * sub_per_tick;
+        piece.start = last - place.left;
+        piece.end = piece.start + next.subs;
+        piece.code = next.code;
+        piece.jumps = next.code == curve::code::jump;
+        piece.ends = !frame.goes_on && piece.end == last;
+        const curve::StateView after = walk_.track(range, place.track);
+        for (std::size_t c = 0; c < after.n; ++c) {
+            if (piece.jumps) {  // the value holds after the jump, until the piece ends
+                piece.s[c] = next.k[c];
+                piece.v[c] += next.k[c];
+            } else {
+                piece.rise[c] = static_cast<float>(after.v[c] - piece.v[c]);
+            }
+        }
+        if constexpr (Rotations > 0) {
+            if (!piece.jumps && next.subs == place.left && Layout::turns(range) &&
+                content_.ends_told(place.channel, true)) {
+                const auto end = curve::place(piece.anchor, walk_.rotation[range.first].anchor,
+                                              layout_.step(range.first));
+                for (std::size_t c = 0; c < 3; ++c)
+                    piece.rise[c] = end[c] - static_cast<float>(piece.v[c]);
+            }
+        }
+        if (piece.jumps) ++counters_.breaks;
+        const bool hidden =
+            (walk_.hidden >> place.channel & 1u) != 0 && piece.fresh && !piece.jumps;
+        if (!hidden) piece.begins = take_pending(place.channel, place.track);
+        return !hidden;
+    }
+    /// Is the track's curve told for the first time?
+    bool take_pending(std::size_t channel, std::size_t track) noexcept {
+        const TrackRange& range = layout_.channel[channel];
+        const std::size_t place = range.first + track + (range.rotates ? Axes : 0);
+        const auto bit = static_cast<std::uint16_t>(1u << place);
+        const bool pending = (pending_ & bit) != 0;
+        pending_ = static_cast<std::uint16_t>(pending_ & ~bit);
+        return pending;
+    }
+    void begin_curves() noexcept {
+        for (std::size_t c = 0; c < layout_.channels; ++c) {
+            const TrackRange& range = layout_.channel[c];
+            if (!content_.channel[c].starts) continue;
+            const auto tracks = ((1u << range.count) - 1u)
+                                << (range.first + (range.rotates ? Axes : 0));
+            pending_ = static_cast<std::uint16_t>(pending_ | tracks);
+        }
+    }
+
+    Frames frames_{};
+    Events events_{};
+    Layout layout_{};
+    States states_{}, walk_{};
+    Reader content_{};
+    code::RangeDecoder io_{};
+    FrameHead head_{};
+    curve::Grid grid_{};
+    Counters counters_{};
+    std::uint32_t run_index_{0};
+    std::uint16_t stream_id_{0}, run_{0};
+    std::uint16_t pending_{0};  // tracks whose next piece begins a curve, as far as it was told
+    std::uint8_t point_{0};
+    Step step_{Step::none};
+    Refused refused_{Refused::nothing};
+    bool chosen_{false};
+};
+
+}  // namespace fairlead::wire

@@ -1,245 +1,456 @@
 #pragma once
-// Poses in, bytes out: both reducers and the frames that carry what they make final.
+// Records in, frames out: the reducer, the frames that carry what it commits, headers, events.
 //
-// A frame leaves when a sample of either channel is due; what the other channel can give rides
-// along. Restart points at a stated interval hold the whole state, so that a late joiner or a
-// decoder that lost a frame is back in step there, bit for bit.
+// A frame that the reducer has committed is compared with its samples, and then coded, in portions
+// over the next `spare` pushes: no push does all the work of a frame. What of the delay remains is
+// the reducer's window. Header frames and event frames leave before data frames of the same push.
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 
 #include "fairlead/base/bytes.hpp"
 #include "fairlead/base/types.hpp"
+#include "fairlead/reduce/reducer.hpp"
+#include "fairlead/reduce/rotation_channel.hpp"
+#include "fairlead/wire/encoder_params.hpp"
 #include "fairlead/wire/events.hpp"
-#include "fairlead/wire/layout.hpp"
+#include "fairlead/wire/frame_writer.hpp"
 
-namespace fairlead {
+namespace fairlead::wire {
 
-/// Work per push and channel on the search, in instructions of a Cortex-M4F, about.
-inline constexpr Credit slice_small = 24000, slice_medium = 100000, slice_large = 380000;
+/// Sizes of a search (reduce/beam.hpp): wider costs work and memory, and saves bytes.
+using Small = reduce::Beam<2, 24>;
+using Medium = reduce::Beam<3, 32>;
+using Large = reduce::Beam<8, 64>;
 
-struct EncoderParams {
-    std::array<float, 3> tol_position_m{0.001f, 0.001f, 0.001f};
-    float tol_orientation_rad{0.0043633f};
-    std::uint32_t tick_ns{4000000};  // grid of the knots, at most the smallest sample spacing
-    std::uint32_t delay_max{60};     // records
-    std::int64_t restart_interval_ns{2000000000};
-    std::uint32_t goal{
-        0};           // records that a frame leaves open where it can; 0: a third of delay_max
-    Credit slice{0};  // less work on the search than the encoder's Slice; 0: all of it
-    std::uint32_t event_delay_max{0};  // records that an event may wait for company
-    bool position{true};
-    bool orientation{true};
+/// A channel of D numbers, each within its tolerance by itself.
+template <std::size_t D, class BeamT = Medium, class KindT = curve::Smooth>
+struct Vector {
+    using Kind = KindT;
+    using Value = std::array<float, D>;
+    template <std::size_t Window>
+    using Channel = reduce::VectorChannel<D, Kind, BeamT, Window>;
+    static constexpr std::size_t axes = D, rotations = 0;
+    static constexpr float tolerance_min = 1e-6f, tolerance_max = 1e6f;
+};
+/// A channel of orientations, within its tolerance as a rotation angle.
+template <class BeamT = Medium, class KindT = curve::Smooth>
+struct Orientation {
+    using Kind = KindT;
+    using Value = Quat;
+    template <std::size_t Window>
+    using Channel = reduce::RotationChannel<Kind, BeamT, Window>;
+    static constexpr std::size_t axes = 0, rotations = 1;
+    static constexpr float tolerance_min = reduce::rotation_tolerance_min_rad, tolerance_max = 0.5f;
 };
 
-/// N: ring capacity in samples, the largest delay_max. Slice: work per push and channel on the
-/// search for few knots, in instructions of a Cortex-M4F, about; beside it a push costs what
-/// BOUNDS.md says. Events: discrete events that may wait between two records, and channels of them
-/// that a late joiner learns of. Memory: sizeof.
-template <std::size_t N, Credit Slice = slice_medium, std::size_t Events = 8>
+/// Records: the largest delay_records. Events: discrete events that may wait between two records,
+/// and channels of them that a late reader learns of; 0 to 6. Memory: sizeof.
+template <std::size_t Records, std::size_t Events, class... Channels>
 class Encoder {
+    static_assert(sizeof...(Channels) >= 1 && sizeof...(Channels) <= channels_max,
+                  "an encoder has 1 to 4 channels");
+    static_assert(Records >= 8 && Records <= 246, "an encoder delays by 8 to 246 records");
+
   public:
-    using PositionReducer = Reducer<VectorChannel<3>, N>;
-    using OrientationReducer = Reducer<OrientationChannel, N>;
+    static constexpr std::size_t channel_count = sizeof...(Channels);
+    static constexpr std::uint32_t records_max = Records;
+    static constexpr std::size_t axes = (0 + ... + Channels::axes);
+    static constexpr std::size_t rotations = (0 + ... + Channels::rotations);
+    using Kind = typename std::tuple_element_t<0, std::tuple<Channels...>>::Kind;
+    static_assert((std::is_same_v<Kind, typename Channels::Kind> && ...),
+                  "the channels of a stream have pieces of one kind");
+    using Kinds = KindSet<Kind>;
+    using Params = EncoderParams<channel_count>;
+    using Values = std::tuple<typename Channels::Value...>;
 
-    explicit Encoder(const EncoderParams& params) noexcept
-        : params_{params},
-          slice_{params.slice > 0 && params.slice < Slice ? params.slice : Slice},
-          position_{{params.tol_position_m, params.tick_ns, params.delay_max, goal(params)}},
-          orientation_{
-              {params.tol_orientation_rad, params.tick_ns, params.delay_max, goal(params)}} {
-        position_link_.scale = position_.scale();
-        orientation_link_.scale = orientation_.scale();
-        position_link_.enabled = params.position;
-        orientation_link_.enabled = params.orientation;
+    /// Pushes from the commit of a frame to its last byte, by the delay: short windows are coded at
+    /// once.
+    static constexpr std::uint32_t spare(std::uint32_t delay_records) noexcept {
+        return delay_records >= 48 ? 6 : delay_records >= 24 ? 2 : 0;
+    }
+    static constexpr std::size_t window_max = Records - spare(Records) + 1;
+
+    static constexpr Check check(const Params& params) noexcept {
+        const Check ranges = fairlead::detail::check_ranges(params);
+        if (!ranges) return ranges;
+        if (params.delay_records > Records) return {Status::bad_argument, "delay_records"};
+        constexpr float least[] = {Channels::tolerance_min...},
+                        most[] = {Channels::tolerance_max...};
+        for (std::size_t i = 0; i < channel_count; ++i)
+            if (!(params.tolerance[i] >= least[i] && params.tolerance[i] <= most[i]))
+                return {Status::bad_argument, "tolerance"};
+        return {};
+    }
+    /// What an intake before this encoder may let through.
+    static constexpr IntakeLimits limits(const Params& params) noexcept {
+        IntakeLimits limits;
+        const std::int64_t tick = curve::Grid::of_period(0, params.sample_period_ns).tick_ns();
+        limits.spacing_min_ns = (tick * curve::spacing_subs_min + 63) / 64;
+        limits.gap_ns_max = curve::gap_ticks_max * tick;
+        limits.gap_ns = params.gap_ns > 0 ? params.gap_ns : default_gap_ns(params.sample_period_ns);
+        if (limits.gap_ns > limits.gap_ns_max) limits.gap_ns = limits.gap_ns_max;
+        // sub-ticks of a run fit run_max
+        limits.run_ns_max = tick / 64 < 32 ? (tick / 64) * (run_max / 2) : IntakeLimits::run_ns;
+        return limits;
     }
 
-    /// One record; without its slice of the search where several come at once. @return the frames
-    /// that it completed, possibly none.
-    Bytes push(const Pose& pose, bool searches = true) noexcept {
+    /// Refused parameters give an inert encoder: every push says bad_argument. See check().
+    explicit Encoder(const Params& params) noexcept : params_{params} {
+        good_ = check(params_).status == Status::ok;
+        if (!good_) return;
+        period_ns_ = params_.sample_period_ns;
+        run_ = static_cast<std::uint16_t>(params_.run - 1u);
+        spare_ = spare(params_.delay_records);
+        configure(std::index_sequence_for<Channels...>{});
+    }
+
+    /// A record at t_ns: values of the channels whose bit in `valid` is set; `gaps`: channels whose
+    /// curve must not go on over what is before. Times of a run rise by limits().spacing_min_ns at
+    /// least; new_run: t_ns has nothing to do with the times before. @return whole frames, if any.
+    Bytes push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
+               bool new_run) noexcept {
         size_ = 0;
-        const std::int64_t before_ns = now_ns_;
-        now_ns_ = pose.t_ns;
-        if (!started_) start();
-        feed(position_, params_.position && (pose.flags & flag::position_valid), pose,
-             {pose.p_w_m.x, pose.p_w_m.y, pose.p_w_m.z}, flag::gap_before | flag::position_gap,
-             position_gap_);
-        feed(orientation_, params_.orientation && (pose.flags & flag::orientation_valid), pose,
-             pose.q_wb, flag::gap_before | flag::orientation_gap, orientation_gap_);
-        // a restart point is a frame like others: what it can take along need not leave soon after
-        const std::int64_t lead_ns = (now_ns_ - before_ns) * position_.lead();
-        const bool closing = position_.closing() || orientation_.closing() || restart_due(lead_ns);
-        const Credit slice = searches ? slice_ : 0;
-        position_.allot(slice, closing);
-        orientation_.allot(slice, closing);
-        // rarely two: where knots crowd before a sample that is due, or a curve starts
-        for (std::size_t i = 0; i < max_frames; ++i) {
-            if (!position_.due() && !orientation_.due() && !restart_due()) break;
-            frame(i + 1 == max_frames);
-        }
-        position_.work();
-        orientation_.work();
-        let_out_events(size_ > 0 ? 0 : params_.event_delay_max);
-        return {out_.data(), size_, Status::ok};
+        if (!good_) return {nullptr, 0, Status::bad_argument};
+        if (new_run || !running_ || reducer_.ended_behind(t_ns)) begin_run(t_ns);
+        const reduce::Seam seam = seam_at(t_ns);
+        const auto drain = [this] { finish_frame(); };
+        const bool committed = reducer_.push(t_ns, values, valid, gaps, seam, drain);
+        now_ns_ = t_ns;
+        if (committed)
+            open_frame();
+        else if (coding_ && ++waited_ >= spare_)
+            finish_frame();
+        else if (coding_)
+            work_on_frame();
+        if (coding_ && spare_ == 0) finish_frame();
+        let_out_events(size_ > 0 ? 0 : params_.event_delay_records);
+        return bytes();
     }
-
-    /// An event of a discrete channel; it leaves with the next record, at most event_delay_max
-    /// records later. @return false: Events of them wait already, and it is not taken.
-    bool push_event(const Event& event) noexcept { return events_.push(event); }
-
+    /// An event of a discrete channel; it leaves with the next record, at most event_delay_records
+    /// later. @return false: Events of them wait already, and it is not taken.
+    bool push_event(const Event& event) noexcept { return good_ && events_.push(event); }
     /// Instead of push(), where no record has come: lets out events alone.
     Bytes idle() noexcept {
         size_ = 0;
-        let_out_events(params_.event_delay_max);
-        return {out_.data(), size_, Status::ok};
+        if (!good_) return {nullptr, 0, Status::bad_argument};
+        let_out_events(params_.event_delay_records);
+        return bytes();
     }
-
-    /// Makes everything final; call until it returns nothing. A call costs what a push costs.
+    /// Lets everything out; what comes later starts new curves. Where it comes within a tick, it
+    /// begins a new run.
     Bytes flush() noexcept {
         size_ = 0;
-        if (!position_.empty() || !orientation_.empty()) {
-            position_.close(slice_);
-            orientation_.close(slice_);
-            frame(false);
-        }
+        if (!good_) return {nullptr, 0, Status::bad_argument};
+        end_curves();
         let_out_events(0);
-        position_gap_ = orientation_gap_ = true;  // what comes later starts new curves
-        return {out_.data(), size_, Status::ok};
+        return bytes();
+    }
+    /// Forgets what has not left; the next record begins a new run.
+    void reset() noexcept {
+        coding_ = running_ = false;
+        size_ = 0;
+    }
+    /// The sample period of runs that begin from now on.
+    void set_period(std::int64_t sample_period_ns) noexcept {
+        if (sample_period_ns >= sample_period_min_ns && sample_period_ns <= sample_period_max_ns)
+            period_ns_ = sample_period_ns;
     }
 
-    const PositionReducer& position() const noexcept { return position_; }
-    const OrientationReducer& orientation() const noexcept { return orientation_; }
-    std::uint32_t frames() const noexcept { return sequence_; }
+    const auto& reducer() const noexcept { return reducer_; }
+    std::uint32_t frames() const noexcept { return frames_; }
+    std::uint32_t restarts() const noexcept { return restarts_; }
+    /// Frames that did not fit into their bytes: never, by the bound of their cost.
+    std::uint32_t overflows() const noexcept { return overflows_; }
+    /// Samples that a committed curve did not hold within its tolerance: never.
+    std::uint32_t check_failures() const noexcept {
+        return failures(std::index_sequence_for<Channels...>{});
+    }
     std::uint32_t refused_events() const noexcept { return events_.refused(); }
-
-    static constexpr std::size_t max_frames = 2;  // a push completes at most
+    std::uint16_t run() const noexcept { return run_; }
 
   private:
-    static constexpr Credit frame_cost = 3000, byte_cost = 250;
-    static constexpr std::int64_t restart_slack = 16;  // a part of the interval
-
-    static std::uint32_t goal(const EncoderParams& p) noexcept {
-        return p.goal ? p.goal : p.delay_max / 3;
+    using Reducer = reduce::Reducer<typename Channels::template Channel<window_max>...>;
+    using Writer = FrameWriter<axes, rotations, Kinds>;
+    static constexpr std::size_t header_max = header_size_max(channel_count, axes + rotations);
+    // a frame that was being coded and one that a new run or a flush ends, each with a header
+    static constexpr std::size_t out_max =
+        2 * (data_frame_max + header_max) + EventSender<Events>::frame_max;
+    /// Bits of a frame beside its pieces and what its curves tell where they start, at most. Head:
+    /// restart 2, ticks 3 + 17, time 42, flag of the jump 1; of a channel: flags 13, two ticks 17,
+    /// and its end: 27 for each axis of a vector, 50 for a rotation. An independent frame tells as
+    /// much at its start, and slopes: 27 for each axis, 77 for a rotation.
+    static constexpr std::size_t overhead_bits(bool independent) noexcept {
+        std::size_t bits = 65 + 30 * channel_count + 50 * rotations;
+        bits += (0 + ... + (Channels::axes > 0 ? 5 + 27 * Channels::axes : 0));
+        if (independent) bits += 127 * rotations;
+        if (independent) bits += (0 + ... + (Channels::axes > 0 ? 5 + 27 * Channels::axes : 0));
+        return bits;
     }
 
-    template <class Reduction>
-    void feed(Reduction& reduction, bool valid, const Pose& pose,
-              const typename Reduction::Value& value, std::uint32_t gap_flags, bool& gap) noexcept {
-        gap = gap || (pose.flags & gap_flags) != 0;
-        if (!valid) {
-            reduction.skip();
+    /// What one column of the search may add to a frame.
+    static constexpr std::size_t column_bits =
+        (0 + ... + Channels::template Channel<window_max>::column_bits_max);
+    static constexpr std::size_t start_bits =
+        (0 + ... + Channels::template Channel<window_max>::start_bits_max);
+    static_assert(8 * payload_max > overhead_bits(true) + start_bits + column_bits + 100,
+                  "the channels are too many for a frame");
+
+    template <std::size_t... Index>
+    void configure(std::index_sequence<Index...>) noexcept {
+        (reducer_.template channel<Index>().configure(params_.tolerance[Index]), ...);
+        reduce::Window window;
+        // the oldest record of a frame waits for records - 1 pushes, and for the coding
+        window.records = static_cast<std::int32_t>(params_.delay_records - spare_ + 1);
+        const std::int64_t tick = curve::Grid::of_period(0, params_.sample_period_ns).tick_ns();
+        window.gap_ticks = static_cast<std::int32_t>(limits(params_).gap_ns / tick);
+        const bool independent = params_.restart_interval_ns == every_frame_ns;
+        window.cost_max =
+            static_cast<code::Cost>(16 * (8 * payload_max - overhead_bits(independent)));
+        reducer_.configure(window);
+    }
+
+    // ---- runs
+
+    void begin_run(std::int64_t t_ns) noexcept {
+        if (running_) end_curves();
+        running_ = true;
+        ++run_;
+        grid_ = curve::Grid::of_period(t_ns, period_ns_);
+        reducer_.begin(grid_);
+        header_ = {};
+        StreamShape& s = header_.shape;
+        s.stream_id = params_.stream_id;
+        s.run = run_;
+        s.base_ns = t_ns;
+        s.timing.sub_ns = grid_.sub_ns;
+        s.timing.time_bits = time_bits();
+        s.timing.independent = params_.restart_interval_ns == every_frame_ns;
+        s.timing.usual_ticks = static_cast<std::uint8_t>(params_.delay_records - spare_);
+        s.channels = channel_count;
+        describe(s, std::index_sequence_for<Channels...>{});
+        header_.starts = true;
+        header_ns_ = restart_ns_ = t_ns;
+        restart_after_ns_ =
+            params_.restart_interval_ns - grid_.tick_ns() * std::int64_t{s.timing.usual_ticks};
+        put_header();
+        writer_.begin_run(s, header_.digest, 0);
+        header_.starts = false;
+        events_.repeat();
+    }
+    template <std::size_t... Index>
+    void describe(StreamShape& shape, std::index_sequence<Index...>) noexcept {
+        const auto one = [&](auto index, bool rotates, std::size_t count) {
+            constexpr std::size_t i = decltype(index)::value;
+            ChannelShape& c = shape.channel[i];
+            const curve::Scale scale = reducer_.template channel<i>().scale();
+            c.type = rotates ? ChannelType::orientation : ChannelType::vector;
+            c.kind = Kind::id;
+            c.axes = static_cast<std::uint8_t>(rotates ? 3 : count);
+            c.step.fill(scale);
+            const float ratio = params_.tolerance[i] / static_cast<float>(scale.step()) * 32768.0f;
+            c.tolerance = static_cast<std::uint16_t>(ratio < 65534.0f ? ratio + 1.0f : 65535.0f);
+        };
+        (one(std::integral_constant<std::size_t, Index>{}, Channels::rotations > 0, Channels::axes),
+         ...);
+    }
+    /// Bits of a time that, with the tries of a reader, tell it within two header intervals.
+    std::uint8_t time_bits() const noexcept {
+        if (params_.header_interval_ns == never_ns) return 32;
+        const std::int64_t ticks = 2 * (params_.header_interval_ns / grid_.tick_ns() + 1);
+        std::uint8_t bits = 8;
+        while (bits < 32 && (std::int64_t{unwraps} << bits) < ticks) ++bits;
+        return bits;
+    }
+    void put_header() noexcept {
+        header_.end = writer_.link().end;
+        if (header_.starts) header_.end = 0;
+        if (out_max - size_ < header_max) return;
+        size_ += write_header(header_, out_.data() + size_);
+    }
+
+    // ---- frames
+
+    /// How a frame that ends now should hand over.
+    reduce::Seam seam_at(std::int64_t t_ns) const noexcept {
+        if (params_.restart_interval_ns == every_frame_ns) return reduce::Seam::independent;
+        // two restart frames never follow each other: the frame between lets a reader trust the
+        // first
+        if (reducer_.frame().seam == reduce::Seam::restart) return reduce::Seam::carry;
+        // the next frame, as long as a usual one, would end too late
+        return t_ns - restart_ns_ > restart_after_ns_ ? reduce::Seam::restart : reduce::Seam::carry;
+    }
+
+    void open_frame() noexcept {
+        const reduce::Frame& frame = reducer_.frame();
+        auto& coder = writer_.prepare();
+        prepare(coder, frame.ticks, std::index_sequence_for<Channels...>{});
+        FrameHead head;
+        head.start = frame.start_subs;
+        head.end = frame.start_subs + std::int64_t{frame.ticks} * sub_per_tick;
+        head.restart = frame.seam != reduce::Seam::carry && frame.ticks > 0;
+        coded_ = writer_.open(head);
+        coding_ = true;
+        checked_ = false;
+        waited_ = 0;
+    }
+    template <class Coder, std::size_t... Index>
+    void prepare(Coder& coder, std::int32_t ticks, std::index_sequence<Index...>) noexcept {
+        std::size_t axis = 0, rotation = 0;
+        const auto one = [&](auto index) {
+            constexpr std::size_t i = decltype(index)::value;
+            using Tag = std::tuple_element_t<i, std::tuple<Channels...>>;
+            const auto& s = reducer_.template channel<i>().segment();
+            ChannelFrame& frame = coder.channel[i];
+            frame.present = s.present;
+            frame.starts = s.present && s.starts;
+            frame.goes_on = s.present && !s.ends;
+            const bool live = (writer_.states.live >> i & 1u) != 0;
+            if (live && !s.present &&
+                ticks == 0) {  // a frame for a single sample of another channel
+                frame.present = frame.goes_on = true;
+            } else {
+                frame.over = live && (!s.present || s.starts);
+            }
+            frame.start_tick = static_cast<std::uint8_t>(s.start_tick);
+            frame.end_tick = static_cast<std::uint8_t>(s.present && s.ends ? s.end_tick : ticks);
+            if constexpr (Tag::rotations > 0) {
+                writer_.first.grid[rotation] = s.start_grid;
+                coder.told.grid[rotation] = s.end_grid;
+                if (frame.starts) writer_.states.rotation[rotation] = s.start;
+                ++rotation;
+            } else {
+                for (std::size_t k = 0; k < Tag::axes; ++k, ++axis) {
+                    coder.told.value[axis] = s.end_v[k];
+                    if (frame.starts) writer_.states.axis[axis] = s.start[k];
+                }
+            }
+        };
+        (one(std::integral_constant<std::size_t, Index>{}), ...);
+        if constexpr (rotations > 0) keep_grids(coder);
+    }
+    /// An independent frame tells at its start the grid on which the frame before ended.
+    template <class Coder>
+    void keep_grids(Coder& coder) noexcept {
+        for (std::size_t c = 0; c < channel_count; ++c) {
+            const TrackRange& range = writer_.layout().channel[c];
+            if (!range.rotates) continue;
+            if (header_.shape.timing.independent && !coder.channel[c].starts)
+                writer_.first.grid[range.first] = grids_[range.first];
+            grids_[range.first] = coder.told.grid[range.first];
+        }
+    }
+    /// A portion of the work: half of the pushes compare, the others code.
+    void work_on_frame() noexcept {
+        if (!checked_)
+            check_frame(window_max * 2 / spare_ + 1);
+        else
+            code_pieces(portion);
+    }
+    /// Pieces of so many components, or all that are left.
+    void code_pieces(std::size_t components) noexcept {
+        for (; coded_ && !writer_.done() && components > 0;) {
+            const std::size_t n = writer_.rotates() ? 3 : 1;
+            components -= n < components ? n : components;
+            coded_ = code_piece(std::index_sequence_for<Channels...>{});
+        }
+    }
+    template <std::size_t... Index>
+    bool code_piece(std::index_sequence<Index...>) noexcept {
+        const auto place = writer_.place();
+        bool good = false;
+        static_cast<void>(
+            ((place.channel == Index && (good = piece_of<Index>(place.track), true)) || ...));
+        return good;
+    }
+    template <std::size_t Index>
+    bool piece_of(std::size_t track) noexcept {
+        auto& channel = reducer_.template channel<Index>();
+        typename std::remove_reference_t<decltype(channel)>::PieceType piece{};
+        return channel.next(track, piece) && writer_.piece(piece);
+    }
+
+    /// Compares so many samples of each track of the committed frame with its curve, as a decoder
+    /// draws it.
+    void check_frame(std::size_t samples) noexcept {
+        checked_ = check_frame(samples, std::index_sequence_for<Channels...>{});
+        if (checked_) rewind(std::index_sequence_for<Channels...>{});
+    }
+    template <std::size_t... Index>
+    bool check_frame(std::size_t samples, std::index_sequence<Index...>) noexcept {
+        bool all = true;
+        ((all = reducer_.template channel<Index>().check(
+                    samples * (Channels::axes > 0 ? Channels::axes : 1)) &&
+                all),
+         ...);
+        return all;
+    }
+    template <std::size_t... Index>
+    void rewind(std::index_sequence<Index...>) noexcept {
+        (reducer_.template channel<Index>().rewind(), ...);
+    }
+    template <std::size_t... Index>
+    std::uint32_t failures(std::index_sequence<Index...>) const noexcept {
+        return (0u + ... + reducer_.template channel<Index>().failures());
+    }
+    static constexpr std::size_t portion = 24;  // components of the pieces of a push
+
+    void finish_frame() noexcept {
+        if (!coding_) return;
+        coding_ = false;
+        if (!checked_) check_frame(1u << 12);  // all of them
+        code_pieces(SIZE_MAX);
+        const std::size_t size = coded_ ? writer_.close() : 0;
+        reducer_.release();
+        if (size == 0 || out_max - size_ < size + header_max + EventSender<Events>::frame_max) {
+            ++overflows_;
             return;
         }
-        reduction.push(pose.t_ns, value, gap);
-        gap = false;
-    }
-
-    void start() noexcept {
-        started_ = true;
-        epoch_ns_ = now_ns_;
-        position_.set_epoch(now_ns_);
-        orientation_.set_epoch(now_ns_);
-        restart_wanted_ = true;
-    }
-
-    bool restart_due(std::int64_t soon_ns = 0) const noexcept {
-        return !restart_wanted_ &&
-               now_ns_ - last_restart_ns_ >= params_.restart_interval_ns - soon_ns;
-    }
-
-    void let_out_events(std::uint32_t hold) noexcept {
-        size_ += events_.frame(out_.data() + size_, hold);
-    }
-
-    /// One frame with what both channels can make final.
-    void frame(bool last) noexcept {
-        const auto position = position_.take(last);
-        const auto orientation = orientation_.take(last);
-        // rather a little early than with one more frame
-        if (restart_wanted_ || restart_due(params_.restart_interval_ns / restart_slack)) {
-            restart_wanted_ = !write(true, position, orientation);  // no room: with the next
-            if (!restart_wanted_) return;
+        const bool restart = writer_.head().restart;
+        if (now_ns_ - header_ns_ >= params_.header_interval_ns) {
+            header_ns_ = now_ns_;
+            put_header();
         }
-        const bool fits = write(false, position, orientation);  // always (test_layout.cpp)
-        FAIRLEAD_ASSERT(fits);
-        static_cast<void>(fits);
-    }
-
-    /// @return false where there is no room for it; then nothing has changed.
-    bool write(bool restart, const typename PositionReducer::Frozen& position,
-               const typename OrientationReducer::Frozen& orientation) noexcept {
-        BitWriter io{out_.data() + size_ + 2, wire::max_payload};
-        const auto position_before = position_link_;
-        const auto orientation_before = orientation_link_;
-        const auto header_before = header_;
         if (restart) {
-            header_ = {sequence_, params_.tick_ns,
-                       epoch_ns_ + (now_ns_ - epoch_ns_) / params_.tick_ns * params_.tick_ns};
-            wire::header(io, header_);
-            wire::state(io, position_link_, header_.base_ns, params_.tick_ns);
-            wire::state(io, orientation_link_, header_.base_ns, params_.tick_ns);
+            restart_ns_ = grid_.time_ns(writer_.head().end);
+            ++restarts_;
+            if (!header_.shape.timing.independent) events_.repeat();
         }
-        put(io, position, position_link_);
-        put(io, orientation, orientation_link_);
-        if (!io.ok()) {
-            position_link_ = position_before;
-            orientation_link_ = orientation_before;
-            header_ = header_before;
-            return false;
+        ++frames_;
+        for (std::size_t i = 0; i < size; ++i) out_[size_ + i] = writer_.data()[i];
+        size_ += size;
+    }
+    void end_curves() noexcept {
+        finish_frame();
+        const auto drain = [this] { finish_frame(); };
+        if (reducer_.flush(drain)) {
+            open_frame();
+            finish_frame();
         }
-        seal(restart, io.size());
-        // the search pays for it
-        const Credit cost = frame_cost + byte_cost * static_cast<Credit>(io.size());
-        const bool both = params_.position && params_.orientation;
-        position_.spend(both ? cost / 2 : cost);
-        orientation_.spend(both ? cost / 2 : cost);
-        if (!restart) return true;
-        last_restart_ns_ = now_ns_;
-        events_.repeat();
-        return true;
     }
-
-    template <class Frozen, class Channel>
-    void put(BitWriter& io, Frozen batch, wire::Link<Channel>& link) noexcept {
-        wire::content(io, link, batch, header_.base_ns, params_.tick_ns);
-        wire::follow_start(link, batch);
-        for (std::size_t i = 0; i < batch.size; ++i)
-            wire::follow_knot(link, batch, i, params_.tick_ns);
-        if (batch.covers) link.cover_ticks = batch.cover_ticks;
+    void let_out_events(std::uint32_t hold) noexcept {
+        if (!running_ || out_max - size_ < EventSender<Events>::frame_max) return;
+        size_ += events_.frame(out_.data() + size_, hold, header_.digest, grid_.base_ns);
     }
+    Bytes bytes() const noexcept { return {out_.data(), size_, Status::ok}; }
 
-    /// Puts length and checksum around the payload that stands two bytes after the frames so far.
-    void seal(bool restart, std::size_t n) noexcept {
-        std::uint8_t* out = out_.data() + size_;
-        const std::size_t head = restart || n > 127 ? 2 : 1;
-        if (head == 1) {
-            out[0] = static_cast<std::uint8_t>(n);
-            for (std::size_t i = 0; i < n; ++i) out[1 + i] = out[2 + i];
-        } else {
-            out[0] = static_cast<std::uint8_t>((restart ? 0xC0u : 0x80u) | (n >> 8));
-            out[1] = static_cast<std::uint8_t>(n & 0xffu);
-        }
-        const std::uint16_t seed =
-            restart ? wire::restart_seed : static_cast<std::uint16_t>(sequence_);
-        size_ += append_crc16(out, head + n, seed);
-        sequence_ = (sequence_ + 1) & wire::sequence_mask;
-    }
-
-    EncoderParams params_;
-    Credit slice_;
-    PositionReducer position_;
-    OrientationReducer orientation_;
-    wire::Link<VectorChannel<3>> position_link_{};
-    wire::Link<OrientationChannel> orientation_link_{};
-    wire::Header header_{};
+    Params params_;
+    Reducer reducer_{};
+    Writer writer_{};
     EventSender<Events> events_{};
-    std::array<std::uint8_t, max_frames * wire::max_frame + EventSender<Events>::frame_size_max>
-        out_{};
+    Header header_{};
+    curve::Grid grid_{};
+    std::array<curve::GridQuat, rotations> grids_{};
+    std::array<std::uint8_t, out_max> out_{};
+    std::int64_t now_ns_{0}, header_ns_{0}, restart_ns_{0}, restart_after_ns_{0}, period_ns_{0};
     std::size_t size_{0};
-    std::uint32_t sequence_{0};
-    std::int64_t now_ns_{0}, epoch_ns_{0}, last_restart_ns_{0};
-    bool started_{false}, restart_wanted_{false};
-    bool position_gap_{false}, orientation_gap_{false};
+    std::uint32_t spare_{0}, waited_{0};
+    std::uint32_t frames_{0}, restarts_{0}, overflows_{0};
+    std::uint16_t run_{0};
+    bool good_{false}, running_{false}, coding_{false}, coded_{false}, checked_{false};
 };
 
-}  // namespace fairlead
+}  // namespace fairlead::wire

@@ -1,0 +1,114 @@
+#pragma once
+// What the searches of axes and rotations share: sizes, costs of the seam, traces back.
+//
+// The search is a beam over vertices: every column (a tick with a sample) may hold a vertex, each
+// vertex is an open hypothesis of a piece that begins there, and takes each sample in constant time
+// by running bounds on its quadratic coefficient. At a column a hypothesis of a length from the
+// list closes: its bounds allow some lattice values for the vertex there. The cheapest few in bits
+// are the column's children, and open hypotheses of their own. Nothing is ever searched again.
+#include <cstddef>
+#include <cstdint>
+
+#include "fairlead/code/model.hpp"
+#include "fairlead/code/tables.hpp"
+#include "fairlead/curve/state.hpp"
+
+namespace fairlead::reduce {
+
+using code::Cost;
+
+/// Sizes of a search. Width: children a column; Open: open hypotheses. Small: 2, 24; medium: 3, 32;
+/// large: 8, 64. Wider costs work and memory and saves bytes: docs/choose.md.
+template <std::size_t WidthN, std::size_t OpenN>
+struct Beam {
+    static constexpr std::size_t width = WidthN;
+    static constexpr std::size_t open = OpenN;
+    static_assert(width >= 1 && width <= 8, "a beam keeps 1 to 8 children a column");
+    static_assert(open >= 2 * width && open <= 200, "a beam needs room for two columns at least");
+};
+
+/// Hypotheses dearer than the cheapest by more than this are dropped (1/16 bit).
+inline constexpr Cost margin_cost = 160;
+/// The least that a hypothesis still pays at a column; part of the same rule.
+inline constexpr Cost step_cost_min = 24;
+/// A jump is considered only where it saves at least this over its value: its code's cost, about.
+inline constexpr Cost jump_code_cost_min = 64;
+/// Seam at the end of a frame: 0.3 ((value error + 10 slope error) / tolerance)^2 bits.
+inline constexpr float seam_weight = 0.3f * 16.0f;
+inline constexpr float seam_ticks = 10.0f;
+/// Vertices keep within this many steps of where the window began: they are stored in 16 bits.
+inline constexpr std::int32_t window_steps_max = 32000;
+/// A column gives a frame at most this, and costs stay below it.
+inline constexpr Cost cost_limit = 60000;
+/// Tolerance lost to the rounding of float bounds, as a part of the numbers involved: derived in
+/// docs/reducer.md, "The margin".
+inline constexpr float rounding = 0x1p-19f;
+inline constexpr float far_away = 1e30f;
+
+/// Bits of one jump between two columns of a window, at most: of four samples or fewer, each with a
+/// part of its own, two parts without one at ticks between, four codes. No other piece has more.
+constexpr Cost jump_bits_max(std::size_t components, std::size_t samples = 4) noexcept {
+    const auto n = static_cast<Cost>(components),
+               own = static_cast<Cost>(samples < 4 ? samples : 4);
+    const Cost duration = code::other_duration_cost / 16 + 1, code_bits = code::cost_max / 16;
+    return own * (n * (5 + 17) + duration) + 2 * (n * 5 + duration) + 4 * code_bits;
+}
+
+/// How the vertex of a child was reached.
+namespace how {
+inline constexpr std::uint8_t slot = 7;     // the parent's place in its column
+inline constexpr std::uint8_t line = 8;     // a straight line
+inline constexpr std::uint8_t jump = 16;    // a jump
+inline constexpr std::uint8_t to_end = 32;  // coded as "to the end of the frame"
+inline constexpr std::uint8_t rebase = 64;  // a rotation: the anchor moves behind the piece
+}  // namespace how
+
+/// A piece as the search commits it; k follows from the walk along the curve.
+template <std::size_t N>
+struct Step {
+    std::array<std::int16_t, N> v{};  // vertex at its end, against the window's origin
+    std::uint8_t ticks{};
+    std::uint8_t how{};
+};
+
+/// Code of a piece of h ticks.
+constexpr std::uint8_t code_of(std::uint8_t way, std::int32_t h) noexcept {
+    if ((way & how::jump) != 0) return curve::code::jump;
+    const bool line = (way & how::line) != 0;
+    if ((way & how::to_end) != 0) return line ? curve::code::line_to_end : curve::code::to_end;
+    const std::uint8_t index = curve::index_of(h);
+    return line ? static_cast<std::uint8_t>(index + curve::code::line) : index;
+}
+
+/// A vertex must leave a way to the sample behind its column: as far as a piece bends in the time
+/// to it, in steps a tick^2.
+inline constexpr float bend_likely = 2.0f;
+
+/// Bounds of a rise p so that the piece behind the vertex can reach a sample: from v + p with the
+/// slope at the end of a piece of h ticks (2 p / h - s, or p / h where it is the chord's) it must
+/// come within `room` of `later` after `after` ticks. s, room and later - v in the same unit as p.
+struct Reach {
+    float low, high;
+};
+constexpr Reach reach(float s, bool chord, float h, float ahead, float after, float room) noexcept {
+    const float turns = 1.0f / (1.0f + (chord ? 1.0f : 2.0f) * after / h);
+    const float middle = chord ? ahead : ahead + s * after;
+    return {(middle - room) * turns, (middle + room) * turns};
+}
+
+/// Shape of the piece that begins at an open vertex.
+enum class Shape : std::uint8_t { quadratic, fresh, line };
+
+template <std::size_t N>
+constexpr Shape shape_of(const curve::State<N>& s) noexcept {
+    return s.fresh ? Shape::fresh : s.loose() ? Shape::line : Shape::quadratic;
+}
+
+/// What a column of an axis knows beside the samples up to it, in 1/1024 steps.
+struct Level {
+    float middle{};                        // where the curve is likely to be
+    float low{-far_away}, high{far_away};  // bounds of the vertex
+    float later{}, after{0};               // the sample behind it, this many ticks; 0: none
+};
+
+}  // namespace fairlead::reduce

@@ -1,0 +1,561 @@
+#pragma once
+// A channel of orientations: one search of three components in a chart about an anchor.
+//
+// The counterpart of vector_channel.hpp. Where a sample is too far from the anchor, the window is
+// committed at its last column and goes on in a chart about the vertex there; the frame does not
+// end. A chart reaches every rotation, so that a jump holds any sample and nothing stalls.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "fairlead/code/pieces.hpp"
+#include "fairlead/curve/scale.hpp"
+#include "fairlead/reduce/jump_walk.hpp"
+#include "fairlead/reduce/rotation_search.hpp"
+#include "fairlead/reduce/samples.hpp"
+#include "fairlead/reduce/seam.hpp"
+
+namespace fairlead::reduce {
+
+/// What a channel says of a committed frame.
+struct RotationSegment {
+    std::int32_t start_tick{};
+    std::int32_t end_tick{};
+    bool present{};
+    bool starts{};
+    bool ends{};
+    curve::RotationState start{};
+    curve::GridQuat start_grid{};  // start.anchor, where `starts`
+    curve::GridQuat end_grid{};    // where the frame tells its end: the anchor behind it
+    std::array<float, 3> told{};   // likewise: its place in the last chart of the frame
+    curve::RotationState end{};    // after the frame: rebased
+};
+
+/// Finer tolerances do not fit the 16 bits of a chart and float orientations.
+inline constexpr float rotation_tolerance_min_rad = 1.2e-4f;
+
+template <class Kind, class BeamT, std::size_t Window>
+class RotationChannel {
+    static_assert(Window >= 4 && Window <= 240, "a window holds 4 to 240 records");
+
+  public:
+    using Value = Quat;
+    using Segment = RotationSegment;
+    using PieceType = curve::Piece<3>;
+    using KindType = Kind;
+    static constexpr std::size_t window = Window;
+    static constexpr std::size_t parts = 1;
+    static constexpr std::size_t components = 3;
+    static constexpr Cost column_bits_max = jump_bits_max(3);
+    static constexpr Cost start_bits_max = 50 + 77;  // a place of the grid, and the frame's jump
+    Cost next_column_bits(std::size_t more) const noexcept {
+        const std::size_t samples = samples_.count() - firsts_[columns_] + more;
+        return jump_bits_max(3, samples > 0 ? samples : 1) + (starts_ ? start_bits_max : 0);
+    }
+
+    /// tolerance: largest angle between sample and curve, rad; >= rotation_tolerance_min_rad.
+    void configure(float tolerance_rad) noexcept {
+        scale_ = curve::Scale::of_step(0.9f * tolerance_rad);
+        step_ = static_cast<float>(scale_.step());
+        full_radius_ = tolerance_rad / step_;
+        // float places and anchors are off by less than 2 urad, the polynomials by 2^-20 of it
+        radius_ = full_radius_ * (1.0f - 0x1p-12f) - 2e-6f / step_;
+    }
+    const curve::Scale& scale() const noexcept { return scale_; }
+    float step() const noexcept { return step_; }
+
+    bool active() const noexcept { return active_; }
+    /// Has the curve begun in this frame?
+    bool starts() const noexcept { return starts_; }
+    bool stalled() const noexcept { return false; }
+    std::int32_t start_tick() const noexcept { return frame_tick_; }
+    std::int32_t column_tick() const noexcept { return column_tick_; }
+    std::int32_t last_tick() const noexcept { return newest_.tick + (newest_.part > 0.0f ? 1 : 0); }
+    bool reaches(const Value&) const noexcept { return true; }
+
+    void start(const curve::Moment& at, const Value& q, std::int32_t) noexcept {
+        state_ = {};
+        start_grid_ = curve::to_grid(normalised(q), step_);
+        state_.anchor = curve::from_grid(start_grid_, step_);
+        start_ = state_;
+        active_ = starts_ = true;
+        spent_ = 0;
+        step_count_ = 0;
+        frame_tick_ = at.tick;
+        open_window(at.tick);
+        keep(at, q);
+        mark_first(at.tick);
+        bound(samples_.count() - 1);
+    }
+
+    void push(const curve::Moment& at, const Value& q, std::int32_t column, bool end,
+              Seam asked) noexcept {
+        const bool told = end && asked != Seam::carry;
+        const bool first = column >= 0 && (at.tick > column || (at.tick == column && at.part > 0));
+        if (far_ && column >= 0 && columns_ > 0 && !held_) rechart();
+        const Place y = curve::place(state_.anchor, q, step_);
+        if (first) offer(column, end, told, &at, &y);
+        keep(at, q);
+        bound(samples_.count() - 1);
+        if (column >= 0 && !first) offer(column, end, told, nullptr, nullptr);
+    }
+
+    Cost cost() const noexcept { return spent_ + search_.cost(); }
+
+    void end_at(std::int32_t tick) noexcept {
+        last_ = true;
+        end_tick_ = tick;
+    }
+    Seam close(std::int32_t tick, Seam asked) noexcept {
+        const std::int32_t to = last_ ? end_tick_ : tick;
+        const bool tell = asked != Seam::carry && !last_ && to > frame_tick_;
+        if (column_tick_ < to)
+            offer(to, true, tell, nullptr, nullptr);
+        else if (tell && !told_)
+            offer_again();
+        return asked;
+    }
+    void commit(std::int32_t tick, Seam seam, std::int32_t) noexcept {
+        cursor_ = {};
+        check_ = {};
+        segment_ = {};
+        if (!active_) return;
+        const std::int32_t to = last_ ? end_tick_ : tick;
+        segment_.present = last_ ? to >= frame_tick_ : to > frame_tick_;
+        if (segment_.present) commit_present(to, seam);
+        samples_.commit(to < 0 ? 0 : to);
+        newest_.tick -= tick;
+        starts_ = starts_ && !segment_.present;
+        active_ = !last_;
+        last_ = false;
+        if (!active_) return;
+        start_ = state_;
+        spent_ = 0;
+        step_count_ = segment_.present ? step_count_ : 0;
+        frame_tick_ = 0;
+        open_window(0);
+        replace(segment_.present ? old_anchor_ : state_.anchor);
+    }
+    void release() noexcept {
+        samples_.release();
+        held_ = false;
+    }
+    void stop() noexcept {
+        active_ = last_ = false;
+        samples_.drop();
+    }
+    void reset() noexcept {
+        stop();
+        segment_ = {};
+        samples_.clear();
+        held_ = false;
+    }
+
+    // ---- the committed frame
+    const Segment& segment() const noexcept { return segment_; }
+    void rewind() noexcept { cursor_ = {}; }
+
+    bool next(std::size_t, PieceType& piece) noexcept {
+        Cursor& c = cursor_;
+        if (!c.begun) {
+            c = {};
+            c.begun = true;
+            c.state = segment_.start;
+            c.tick = segment_.start_tick;
+            c.sample = old_count_to(0, c.tick);
+        }
+        if (c.jumping && next_part(piece)) return true;
+        c.jumping = false;
+        if (c.rebase) {
+            c.rebase = false;
+            piece = {};
+            piece.code = curve::code::rebase;
+            curve::rebase(c.state, step_);
+            return true;
+        }
+        if (c.step >= frame_steps_) return false;
+        const Step<3>& step = steps_[c.step++];
+        const std::int32_t to = c.tick + step.ticks;
+        const std::size_t first = c.sample;
+        c.sample = old_count_to(first, to);
+        c.rebase = (step.how & how::rebase) != 0;
+        const std::uint8_t code = code_of(step.how, step.ticks);
+        if (code == curve::code::jump) {
+            c.walk = JumpWalk<3>{
+                c.state.chart.v, {step.v[0], step.v[1], step.v[2]}, c.tick, to, first, c.sample};
+            c.tick = to;
+            c.jumping = true;
+            return next_part(piece);
+        }
+        piece = {};
+        piece.code = code;
+        piece.subs = static_cast<std::uint16_t>(step.ticks * curve::subs_per_tick);
+        c.tick = to;
+        if (c.step == frame_steps_ && frame_told_) return true;  // ends where the frame tells
+        for (std::size_t a = 0; a < 3; ++a)
+            piece.k[a] = step.v[a] - c.state.chart.v[a] -
+                         curve::predicted_rise(c.state.chart.s[a], c.state.chart.fresh, step.ticks);
+        static_cast<void>(curve::step(c.state.chart, piece));
+        return true;
+    }
+    /// As VectorChannel::check().
+    bool check(std::size_t samples) noexcept {
+        Check& k = check_;
+        for (; k.sample < samples_.old_count(); ++k.sample) {
+            if (samples-- == 0) return false;
+            if (segment_.present && !holds(k)) ++failures_;
+        }
+        return true;
+    }
+    std::uint32_t failures() const noexcept { return failures_; }
+
+  private:
+    using Search = RotationSearch<Kind, BeamT, Window + 1>;
+
+    struct Line {
+        Place value{}, slope{};
+    };
+    struct Cursor {
+        std::size_t step{0}, sample{0};
+        std::int32_t tick{0};
+        bool begun{false}, jumping{false}, rebase{false};
+        curve::RotationState state{};
+        JumpWalk<3> walk{};
+    };
+    struct Check {
+        std::size_t sample{0};
+        std::int32_t from{0}, to{0};  // of the piece, sub-ticks of the frame
+        Place v{};                    // at its start
+        std::array<curve::Polynomial<float>, 3> c{};
+    };
+    /// A constant's ball: the lattice place nearest to the first sample, as long as it holds.
+    template <bool Old>
+    struct Source {
+        const RotationChannel& channel;
+        struct Fit {
+            std::array<std::int32_t, 3> v{};
+            float limit{};
+            bool some{false};
+            const Source* source{};
+            std::size_t first{0}, count{0};
+            bool add(const Source& from, std::size_t i) noexcept {
+                const Place& y = from.place(i);
+                if (!some) {
+                    for (std::size_t a = 0; a < 3; ++a)
+                        v[a] = static_cast<std::int32_t>(y[a] < 0 ? y[a] - 0.5f : y[a] + 0.5f);
+                    some = true;
+                    source = &from;
+                    first = i;
+                }
+                if (!in_ball(y, v)) return false;
+                ++count;
+                return true;
+            }
+            bool in_ball(const Place& y, const std::array<std::int32_t, 3>& at) const noexcept {
+                float n = 0;
+                for (std::size_t a = 0; a < 3; ++a) {
+                    const float e = y[a] - static_cast<float>(at[a]);
+                    n += e * e;
+                }
+                return n <= limit;
+            }
+            bool holds(const std::array<std::int32_t, 3>& at) const noexcept {
+                for (std::size_t i = 0; i < count; ++i)
+                    if (!in_ball(source->place(first + i), at)) return false;
+                return true;
+            }
+            std::array<std::int32_t, 3> value() const noexcept { return v; }
+        };
+        Fit fit() const noexcept {
+            Fit fit;
+            fit.limit = channel.radius_ * channel.radius_;
+            return fit;
+        }
+        curve::Moment when(std::size_t i) const noexcept {
+            return Old ? channel.samples_.old_when(i) : channel.samples_.when(i);
+        }
+        const Place& place(std::size_t i) const noexcept {
+            return Old ? channel.samples_.old_value(i) : channel.samples_.value(i);
+        }
+        std::size_t first(std::size_t column) const noexcept { return channel.firsts_[column]; }
+        std::int32_t start_tick() const noexcept { return channel.start_tick_; }
+    };
+
+    bool holds(Check& k) noexcept {
+        const curve::Moment at = samples_.old_when(k.sample);
+        if (k.sample == 0) k.from = k.to = segment_.start_tick * curve::subs_per_tick;
+        const auto behind = [&at](std::int32_t subs) {
+            const auto whole = static_cast<float>(at.tick - subs / curve::subs_per_tick);
+            const auto part = static_cast<float>(subs % curve::subs_per_tick);
+            return whole + (at.part - part / static_cast<float>(curve::subs_per_tick));
+        };
+        for (std::size_t i = 0; i <= Window * jump_parts_max && behind(k.to) > 0.0f; ++i) {
+            const curve::State<3> before =
+                cursor_.begun ? cursor_.state.chart : segment_.start.chart;
+            PieceType piece;
+            if (!next(0, piece)) return false;
+            k.from = k.to;
+            k.to += piece.subs;
+            const bool jump = piece.code == curve::code::jump;
+            const bool told = frame_told_ && !jump && cursor_.step == frame_steps_;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const auto v = static_cast<float>(jump ? cursor_.state.chart.v[a] : before.v[a]);
+                const float end =
+                    told ? segment_.told[a] : static_cast<float>(cursor_.state.chart.v[a]);
+                k.v[a] = v;
+                k.c[a] = curve::polynomial<float>(piece.code, before.fresh, before.s[a], end - v,
+                                                  piece.subs / curve::subs_per_tick);
+            }
+        }
+        const float t = behind(k.from);
+        const Place& y = samples_.old_value(k.sample);
+        float sum = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float e = (y[a] - k.v[a]) - k.c[a].rise(t);
+            sum += e * e;
+        }
+        return sum <= full_radius_ * full_radius_;
+    }
+    bool next_part(PieceType& piece) noexcept {
+        Cursor& c = cursor_;
+        if (!c.walk.next(Source<true>{*this}, piece)) return false;
+        static_cast<void>(curve::step(c.state.chart, piece));
+        return true;
+    }
+    std::size_t old_count_to(std::size_t i, std::int32_t tick) const noexcept {
+        for (std::size_t n = 0; i < samples_.old_count() && n <= Window + between_max; ++n, ++i) {
+            const curve::Moment at = samples_.old_when(i);
+            if (at.tick > tick || (at.tick == tick && at.part > 0.0f)) break;
+        }
+        return i;
+    }
+
+    void open_window(std::int32_t tick) noexcept {
+        start_tick_ = column_tick_ = tick;
+        ticks_[0] = static_cast<std::uint8_t>(tick);
+        firsts_[0] = 0;
+        first_samples_ = 0;
+        columns_ = 0;
+        told_ = far_ = false;
+        search_.seed(state_.chart, radius_);
+    }
+    /// The window begins behind the samples up to this tick.
+    void mark_first(std::int32_t tick) noexcept {
+        first_samples_ = samples_.count_to(tick);
+        firsts_[0] = static_cast<std::uint8_t>(first_samples_);
+    }
+    void keep(const curve::Moment& at, const Quat& q) noexcept {
+        const Place y = curve::place(state_.anchor, q, step_);
+        far_ = far_ || is_far(y);
+        samples_.push(at, y);
+        newest_ = at;
+    }
+    bool is_far(const Place& y) const noexcept {
+        const float most = curve::chart_angle_max / step_;
+        return y[0] * y[0] + y[1] * y[1] + y[2] * y[2] > most * most;
+    }
+    void bound(std::size_t i) noexcept {
+        const curve::Moment at = samples_.when(i);
+        search_.sample(at.tick - start_tick_, at.part, samples_.value(i));
+    }
+    /// Samples of the window go into the chart about the new anchor, and are searched.
+    void replace(const Quat& old_anchor) noexcept {
+        for (std::size_t i = 0; i < samples_.count(); ++i) {
+            if (i < first_samples_) continue;
+            const Place y = samples_.value(i);
+            const Quat q =
+                old_anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
+            samples_.value(i) = curve::place(state_.anchor, q, step_);
+            bound(i);
+        }
+    }
+    /// Commits the window at its last column and goes on about the vertex there; a column follows
+    /// in the same push, so that a frame never ends where a chart begins. The memory for steps must
+    /// be free of those of a frame that has not left.
+    void rechart() noexcept {
+        const Line line = trend(column_tick_);
+        const std::size_t best = search_.choose(line.value, line.slope, false);
+        step_count_ += search_.trace(best, ticks_, steps_, step_count_);
+        if (step_count_ > 0) steps_[step_count_ - 1].how |= how::rebase;
+        const std::uint8_t row = search_.state(best).last_code;
+        spent_ += search_.cost_of(best) + code::costs<Kind, 3>.length[row][curve::code::rebase];
+        state_.chart = search_.state(best);
+        const Quat old = state_.anchor;
+        curve::rebase(state_, step_);
+        const std::int32_t tick = column_tick_;
+        open_window(tick);
+        mark_first(tick);
+        replace(old);
+    }
+
+    /// A column at `tick`. later: the sample behind it that made it due, not yet kept; or null.
+    void offer(std::int32_t tick, bool end, bool told, const curve::Moment* later,
+               const Place* later_place) noexcept {
+        if (columns_ >= Window + 1) return;
+        column_tick_ = tick;
+        ticks_[++columns_] = static_cast<std::uint8_t>(tick);
+        const std::size_t jump_first = firsts_[columns_ - 1];
+        const std::size_t last = samples_.count();
+        firsts_[columns_] = static_cast<std::uint8_t>(last);
+        typename Search::At at;
+        at.index = columns_;
+        at.tick = tick - start_tick_;
+        at.last = last;
+        at.end = end;
+        if (later != nullptr) {
+            at.later = *later_place;
+            at.after = static_cast<float>(later->tick - tick) + later->part;
+        }
+        middle_at(at, tick);
+        if (told) tell(at);
+        search_.column(at, Source<false>{*this});
+        offer_jump(tick, at.middle, jump_first, last);
+        if (end)
+            search_.record();
+        else
+            search_.grow(tick - start_tick_);
+    }
+    /// The last column again, as the end of a frame that tells it: what has not died since closes
+    /// on the place of the grid, or a jump leads there.
+    void offer_again() noexcept {
+        typename Search::At at;
+        at.index = columns_;
+        at.tick = column_tick_ - start_tick_;
+        at.last = firsts_[columns_];
+        at.end = true;
+        middle_at(at, column_tick_);
+        tell(at);
+        search_.column(at, Source<false>{*this});
+        offer_jump(column_tick_, at.middle, firsts_[columns_ - 1], at.last);
+        search_.record();
+    }
+    /// The frame ends at the place of the grid nearest to where the samples are.
+    void tell(typename Search::At& at) noexcept {
+        const Place& y = at.middle;
+        const Quat q =
+            state_.anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
+        end_grid_ = curve::to_grid(normalised(q), step_);
+        end_anchor_ = curve::from_grid(end_grid_, step_);
+        target_ = curve::place(state_.anchor, end_anchor_, step_);
+        at.told = &target_;
+        told_ = true;
+    }
+
+    void middle_at(typename Search::At& at, std::int32_t tick) const noexcept {
+        at.middle = at.later;
+        if (at.last == 0) return;
+        at.middle = samples_.value(at.last - 1);
+        const curve::Moment m = samples_.when(at.last - 1);
+        const float gone = static_cast<float>(tick - m.tick) - m.part;
+        at.known = true;
+        if (!(gone > 0.0f)) return;
+        if (!(at.after > 0.0f)) {  // on from the last two samples, a little way
+            if (at.last < 2 || at.last < first_samples_ + 2 || gone > 0.2f) {
+                at.known = false;
+                return;
+            }
+            const curve::Moment n = samples_.when(at.last - 2);
+            const float apart = static_cast<float>(m.tick - n.tick) + (m.part - n.part);
+            const Place& before = samples_.value(at.last - 2);
+            for (std::size_t a = 0; a < 3; ++a)
+                at.middle[a] += (at.middle[a] - before[a]) * (gone / apart);
+            return;
+        }
+        for (std::size_t a = 0; a < 3; ++a)
+            at.middle[a] += (at.later[a] - at.middle[a]) * (gone / (gone + at.after));
+    }
+
+    void offer_jump(std::int32_t tick, const Place& middle, std::size_t first,
+                    std::size_t last) noexcept {
+        curve::State<3> state = search_.before_state(columns_ == 1);
+        if (search_.count() > 0) {
+            Cost least = search_.before_cost() + jump_code_cost_min + code::tick_cost;
+            for (std::size_t a = 0; a < 3; ++a)
+                least += code::jump_value_cost(static_cast<std::int32_t>(middle[a]) - state.v[a]);
+            if (search_.cost() <= least) return;
+        }
+        std::array<std::int32_t, 3> target;
+        for (std::size_t a = 0; a < 3; ++a)
+            target[a] =
+                static_cast<std::int32_t>(middle[a] < 0 ? middle[a] - 0.5f : middle[a] + 0.5f);
+        JumpWalk<3> walk{state.v, target, ticks_[columns_ - 1], tick, first, last};
+        code::Counter counter;
+        curve::Piece<3> piece;
+        const Source<false> source{*this};
+        for (std::size_t i = 0; i < jump_parts_max && walk.next(source, piece); ++i)
+            static_cast<void>(code::code_piece<Kind>(counter, code::costs<Kind, 3>, state, piece,
+                                                     piece.subs, code::End::coded));
+        search_.offer_jump(walk.v(), counter.cost());
+    }
+
+    void commit_present(std::int32_t to, Seam seam) noexcept {
+        segment_.start_tick = frame_tick_;
+        segment_.end_tick = to;
+        segment_.starts = starts_;
+        segment_.ends = last_;
+        segment_.start = start_;
+        segment_.start_grid = start_grid_;
+        const bool told = seam != Seam::carry && !last_;
+        const Line line = trend(to);
+        const std::size_t best = last_ ? 0 : search_.choose(line.value, line.slope, told);
+        step_count_ += search_.trace(best, ticks_, steps_, step_count_);
+        frame_steps_ = step_count_;
+        frame_told_ = told;
+        held_ = true;
+        step_count_ = 0;
+        old_anchor_ = state_.anchor;
+        state_.chart = search_.state(best);
+        if (told) {
+            segment_.end_grid = end_grid_;
+            segment_.told = target_;
+            curve::land(state_, end_anchor_, curve::place(state_.anchor, end_anchor_, step_),
+                        step_);
+            state_.chart.forget(seam == Seam::restart);
+        } else {
+            curve::rebase(state_, step_);
+        }
+        segment_.end = state_;
+    }
+    Line trend(std::int32_t tick) const noexcept {
+        constexpr std::size_t back = 6;
+        Line line;
+        const std::size_t count = samples_.count();
+        if (count == 0) return line;
+        const std::size_t some = count > first_samples_ ? count - 1 - first_samples_ : 0;
+        const std::size_t n = some < back ? some : back;
+        const curve::Moment a = samples_.when(count - 1 - n), b = samples_.when(count - 1);
+        const float all = static_cast<float>(b.tick - a.tick) + (b.part - a.part);
+        const float gone = static_cast<float>(tick - b.tick) - b.part;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float rise = samples_.value(count - 1)[c] - samples_.value(count - 1 - n)[c];
+            line.slope[c] = n >= 2 && all > 0.0f ? rise / all : 0.0f;
+            line.value[c] = samples_.value(count - 1)[c] + line.slope[c] * gone;
+        }
+        return line;
+    }
+
+    Samples<Place, Window> samples_{};
+    Search search_{};
+    std::array<Step<3>, Window + 1> steps_{};
+    std::array<std::uint8_t, Window + 2> ticks_{};
+    std::array<std::uint8_t, Window + 2> firsts_{};
+    curve::RotationState state_{};  // where the window began
+    curve::RotationState start_{};  // where the frame began
+    curve::GridQuat start_grid_{}, end_grid_{};
+    Quat end_anchor_{}, old_anchor_{};
+    Place target_{};
+    Segment segment_{};
+    Cursor cursor_{};
+    Check check_{};
+    std::uint32_t failures_{0};
+    curve::Scale scale_{};
+    float step_{1}, radius_{}, full_radius_{};
+    curve::Moment newest_{};
+    std::int32_t start_tick_{0}, frame_tick_{0}, column_tick_{0}, end_tick_{0};
+    std::size_t columns_{0}, first_samples_{0}, step_count_{0}, frame_steps_{0};
+    Cost spent_{0};
+    bool active_{false}, starts_{false}, last_{false}, told_{false}, frame_told_{false},
+        far_{false}, held_{false};  // held: the steps are those of a committed frame
+};
+
+}  // namespace fairlead::reduce

@@ -1,0 +1,529 @@
+#pragma once
+// A channel of vectors: D axes, each with a search of its own, and the samples they share.
+//
+// All times are ticks of the frame being gathered. The Reducer (reducer.hpp) says when a column is
+// due and where the frame ends; the channel turns samples into lattice numbers, keeps the axes'
+// searches, and gives the committed pieces in coding order.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "fairlead/code/pieces.hpp"
+#include "fairlead/curve/scale.hpp"
+#include "fairlead/reduce/axis_search.hpp"
+#include "fairlead/reduce/jump_walk.hpp"
+#include "fairlead/reduce/samples.hpp"
+#include "fairlead/reduce/seam.hpp"
+
+namespace fairlead::reduce {
+
+/// What a channel says of a committed frame.
+template <std::size_t D>
+struct VectorSegment {
+    std::int32_t start_tick{};  // in the frame; other than 0 only where `starts`
+    std::int32_t end_tick{};    // in the frame; before its end only where `ends`
+    bool present{};             // false: the channel has no curve in this frame
+    bool starts{};              // a new curve: slope 0, nothing known before
+    bool ends{};                // the curve ends at end_tick
+    std::array<curve::State<1>, D> start{};
+    std::array<std::int32_t, D> end_v{};  // absolute lattice values at end_tick
+};
+
+template <std::size_t D, class Kind, class BeamT, std::size_t Window>
+class VectorChannel {
+    static_assert(D >= 1 && D <= 6, "a frame of 250 bytes holds one step of at most 6 axes");
+    static_assert(Window >= 4 && Window <= 240, "a window holds 4 to 240 records");
+
+  public:
+    using Value = std::array<float, D>;
+    using Segment = VectorSegment<D>;
+    using PieceType = curve::Piece<1>;
+    static constexpr std::size_t parts = D;  // searches, each with a list of pieces
+    static constexpr std::size_t components = 1;
+    using KindType = Kind;
+    static constexpr std::size_t window = Window;
+    /// Bits that one column can add to a window, at most: a jump of each axis with a part for each
+    /// of the closest samples.
+    static constexpr Cost column_bits_max = D * jump_bits_max(1);
+    /// Bits that tell where a curve starts: values, and the frame's jump to that time.
+    static constexpr Cost start_bits_max = 5 + 27 * D + 77;
+    /// What the next column may add, with `more` samples than there are now, and what the start of
+    /// the curve costs.
+    Cost next_column_bits(std::size_t more) const noexcept {
+        const std::size_t samples = samples_.count() - column_samples_ + more;
+        return static_cast<Cost>(D) * jump_bits_max(1, samples > 0 ? samples : 1) +
+               (starts_ ? start_bits_max : 0);
+    }
+
+    /// tolerance: largest error of an axis, in the values' unit; > 0.
+    void configure(float tolerance) noexcept {
+        scale_ = curve::Scale::of_step(1.2f * tolerance);
+        const double steps = static_cast<double>(tolerance) / scale_.step();
+        full_radius_ = static_cast<float>(steps * curve::fine);
+        radius_ =
+            full_radius_ * (1.0f - 0x1p-20f) - 1.0f;  // samples are rounded to 1/2, and floats
+    }
+    const curve::Scale& scale() const noexcept { return scale_; }
+
+    bool active() const noexcept { return active_; }
+    /// Has the curve begun in this frame?
+    bool starts() const noexcept { return starts_; }
+    bool stalled() const noexcept { return stalled_; }
+    std::int32_t start_tick() const noexcept { return start_tick_; }
+    std::int32_t column_tick() const noexcept { return column_tick_; }
+    /// Tick of the newest sample, rounded up: where a curve without a successor ends.
+    std::int32_t last_tick() const noexcept { return newest_.tick + (newest_.part > 0.0f ? 1 : 0); }
+    const curve::Moment& newest() const noexcept { return newest_; }
+
+    /// A curve begins at this sample's tick. guess: ticks at which the frame is likely to end.
+    void start(const curve::Moment& at, const Value& value, std::int32_t guess) noexcept {
+        for (std::size_t a = 0; a < D; ++a) {
+            curve::State<1>& s = state_[a];
+            s = {};
+            const std::int64_t x = scale_.to_fine(value[a]);
+            s.v[0] = static_cast<std::int32_t>((x + curve::fine / 2) >> curve::fine_bits);
+        }
+        active_ = starts_ = true;
+        open_window(at.tick, guess);
+        keep(at, value);
+        column_samples_ = first_samples_ = samples_.count_to(at.tick);
+        bound(at, value);
+    }
+
+    /// Can the window hold this value? Where not, the frame must end before it; in a window that
+    /// has just begun the value then stalls the channel until the next column, where it jumps.
+    bool reaches(const Value& value) const noexcept {
+        constexpr std::int64_t most = std::int64_t{window_steps_max} << curve::fine_bits;
+        for (std::size_t a = 0; a < D; ++a) {
+            const std::int64_t x = from_origin(a, value);
+            if (x > most || x < -most) return false;
+        }
+        return true;
+    }
+
+    /// A sample of an active channel, behind newest(). `column`: the tick of the column that is due
+    /// with it, or -1. end: the frame ends there, with a seam as asked.
+    void push(const curve::Moment& at, const Value& value, std::int32_t column, bool end,
+              Seam asked) noexcept {
+        const bool told = end && asked == Seam::restart;
+        const bool first = column >= 0 && (at.tick > column || (at.tick == column && at.part > 0));
+        if (first) offer(column, end, told, &at, &value);
+        keep(at, value);
+        bound(at, value);
+        if (column >= 0 && !first) offer(column, end, told, nullptr, nullptr);
+    }
+
+    /// Upper bound in 1/16 bit of what the window costs where it ends at the last column.
+    Cost cost() const noexcept {
+        Cost sum = 0;
+        for (const auto& s : search_) sum += s.cost();
+        return sum;
+    }
+
+    /// The curve ends at this tick, before the frame does; -1: where the window began, so that the
+    /// frame holds nothing of it.
+    void end_at(std::int32_t tick) noexcept {
+        last_ = true;
+        end_tick_ = tick;
+    }
+    /// Makes sure of a vertex at `tick`, where the frame ends; no column is behind it. @return the
+    /// seam that the channel can grant: a vector grants what is asked.
+    Seam close(std::int32_t tick, Seam asked) noexcept {
+        const std::int32_t to = last_ ? end_tick_ : tick;
+        if (column_tick_ < to) offer(to, true, asked == Seam::restart && !last_, nullptr, nullptr);
+        return asked;
+    }
+    /// Commits the window, after close(), and begins the next at `tick`, where samples behind it
+    /// are searched again.
+    void commit(std::int32_t tick, Seam seam, std::int32_t guess) noexcept {
+        cursor_ = {};
+        check_ = {};
+        segment_ = {};
+        if (!active_) return;
+        const std::int32_t to = last_ ? end_tick_ : tick;
+        segment_.present = last_ ? to >= start_tick_ : to > start_tick_;
+        if (segment_.present) commit_present(to, seam);
+        samples_.commit(to < 0 ? 0 : to);
+        newest_.tick -= tick;
+        starts_ = starts_ && !segment_.present;
+        active_ = !last_;
+        last_ = false;
+        if (!active_) return;
+        open_window(0, guess);
+        for (std::size_t i = 0; i < samples_.count(); ++i)
+            bound(samples_.when(i), samples_.value(i));
+    }
+    void release() noexcept { samples_.release(); }
+    void stop() noexcept {
+        active_ = last_ = false;
+        samples_.drop();
+    }
+    /// Forgets the committed frame too.
+    void reset() noexcept {
+        stop();
+        segment_ = {};
+        samples_.clear();
+    }
+
+    // ---- the committed frame
+    const Segment& segment() const noexcept { return segment_; }
+    void rewind() noexcept { cursor_ = {}; }
+
+    /// The next piece of axis `axis` in coding order; false behind the last one. Axes one after the
+    /// other, from axis 0.
+    bool next(std::size_t axis, PieceType& piece) noexcept {
+        Cursor& c = cursor_;
+        if (axis >= D) return false;
+        if (!c.begun || c.axis != axis) {
+            c = {};
+            c.begun = true;
+            c.axis = axis;
+            c.state = segment_.start[axis];
+            c.tick = segment_.start_tick;
+            c.sample = old_count_to(0, segment_.start_tick);
+        }
+        if (c.jumping) {
+            if (c.walk.next(OldSource{*this, axis}, piece)) {
+                static_cast<void>(curve::step(c.state, piece));
+                return true;
+            }
+            c.jumping = false;
+        }
+        if (c.step >= step_count_[axis]) return false;
+        const Step<1>& step = steps_[axis][c.step++];
+        const std::int32_t to = c.tick + step.ticks;
+        const std::size_t first = c.sample;
+        c.sample = old_count_to(first, to);
+        const std::uint8_t code = code_of(step.how, step.ticks);
+        if (code == curve::code::jump) {
+            const std::int32_t end = segment_.start[axis].v[0] + step.v[0];
+            c.walk = JumpWalk<1>{c.state.v, {hard_ ? segment_.end_v[axis] : end}, c.tick, to, first,
+                                 c.sample};
+            c.jumping = true;
+            c.tick = to;
+            return next_part(axis, piece);
+        }
+        piece = {};
+        piece.code = code;
+        piece.subs = static_cast<std::uint16_t>(step.ticks * curve::subs_per_tick);
+        piece.k[0] = segment_.start[axis].v[0] + step.v[0] - c.state.v[0] -
+                     curve::predicted_rise(c.state.s[0], c.state.fresh, step.ticks);
+        c.tick = to;
+        static_cast<void>(curve::step(c.state, piece));
+        return true;
+    }
+
+    /// Compares some samples of the committed frame with its curve, as a decoder draws it: the
+    /// proof of each frame, in portions. Uses next(): rewind() before coding. @return true: all are
+    /// done; failures() counts samples outside the tolerance, which the search's margin excludes.
+    bool check(std::size_t samples) noexcept {
+        Check& k = check_;
+        for (; k.axis < D; ++k.axis, k.sample = 0, k.piece = {}, k.to = k.from = 0) {
+            for (; k.sample < samples_.old_count(); ++k.sample) {
+                if (samples-- == 0) return false;
+                if (segment_.present && !holds(k)) ++failures_;
+            }
+        }
+        return true;
+    }
+    std::uint32_t failures() const noexcept { return failures_; }
+
+  private:
+    /// Where the samples go at the end of a window: value and slope a tick, in 1/1024 steps.
+    struct Line {
+        Value value{}, slope{};
+    };
+    struct Cursor {
+        std::size_t axis{0}, step{0}, sample{0};
+        std::int32_t tick{0};
+        bool begun{false}, jumping{false};
+        curve::State<1> state{};
+        JumpWalk<1> walk{};
+    };
+    struct Check {
+        std::size_t axis{0}, sample{0};
+        std::int32_t from{0}, to{0};  // of the piece, sub-ticks of the frame
+        curve::State<1> before{};
+        PieceType piece{};
+        std::int32_t v{};  // at its end
+    };
+
+    /// A constant's box: the lattice values that hold all samples added.
+    struct Box {
+        const VectorChannel& channel;
+        std::size_t axis;
+        bool old;
+        std::int64_t low{INT64_MIN}, high{INT64_MAX};
+
+        bool add(std::size_t i) noexcept {
+            const Value& value = old ? channel.samples_.old_value(i) : channel.samples_.value(i);
+            const std::int64_t x = channel.scale_.to_fine(value[axis]);
+            const auto e = static_cast<std::int64_t>(channel.radius_);
+            const std::int64_t l = x - e > low ? x - e : low, h = x + e < high ? x + e : high;
+            if (ceiling(l) > (h >> curve::fine_bits)) return false;
+            low = l;
+            high = h;
+            return true;
+        }
+        bool holds(const std::array<std::int32_t, 1>& v) const noexcept {
+            const std::int64_t x = std::int64_t{v[0]} * curve::fine;
+            return low <= x && x <= high;
+        }
+        std::array<std::int32_t, 1> value() const noexcept {
+            const std::int64_t first = ceiling(low), last = high >> curve::fine_bits;
+            return {static_cast<std::int32_t>(first + (last - first) / 2)};
+        }
+        static std::int64_t ceiling(std::int64_t x) noexcept {
+            return (x + curve::fine - 1) >> curve::fine_bits;
+        }
+    };
+    template <bool Old>
+    struct Source {
+        const VectorChannel& channel;
+        std::size_t axis;
+        struct Fit : Box {
+            bool add(const Source&, std::size_t i) noexcept { return Box::add(i); }
+        };
+        Fit fit() const noexcept { return {{channel, axis, Old}}; }
+        curve::Moment when(std::size_t i) const noexcept {
+            return Old ? channel.samples_.old_when(i) : channel.samples_.when(i);
+        }
+    };
+    using OldSource = Source<true>;
+    using NewSource = Source<false>;
+
+    bool holds(Check& k) noexcept {
+        const curve::Moment at = samples_.old_when(k.sample);
+        const std::int32_t start = segment_.start_tick * curve::subs_per_tick;
+        if (k.sample == 0) k.from = k.to = start, k.v = segment_.start[k.axis].v[0];
+        const auto behind = [&at](std::int32_t subs) {
+            const auto whole = static_cast<float>(at.tick - subs / curve::subs_per_tick);
+            const auto part = static_cast<float>(subs % curve::subs_per_tick);
+            return whole + (at.part - part / static_cast<float>(curve::subs_per_tick));
+        };
+        for (std::size_t i = 0; i <= Window * jump_parts_max && behind(k.to) > 0.0f; ++i) {
+            k.before =
+                cursor_.begun && cursor_.axis == k.axis ? cursor_.state : segment_.start[k.axis];
+            k.from = k.to;
+            if (!next(k.axis, k.piece)) return false;
+            k.to = k.from + k.piece.subs;
+            k.v = cursor_.state.v[0];
+        }
+        const bool constant = k.from == k.to || k.piece.code == curve::code::jump;
+        const std::int64_t v = constant ? k.v : k.before.v[0];
+        const auto c = curve::polynomial<float>(
+            constant ? curve::code::jump : k.piece.code, k.before.fresh, k.before.s[0],
+            static_cast<float>(k.v - v), k.piece.subs / curve::subs_per_tick);
+        const std::int64_t x = scale_.to_fine(samples_.old_value(k.sample)[k.axis]);
+        const auto d = static_cast<float>(x - v * curve::fine);
+        const float rise = c.rise(behind(k.from)) * static_cast<float>(curve::fine);
+        const float slack = (approx::absolute(d) + approx::absolute(rise)) * rounding;
+        return approx::absolute(d - rise) <= full_radius_ + slack;
+    }
+    bool next_part(std::size_t axis, PieceType& piece) noexcept {
+        if (!cursor_.walk.next(OldSource{*this, axis}, piece)) return false;
+        static_cast<void>(curve::step(cursor_.state, piece));
+        return true;
+    }
+    std::size_t old_count_to(std::size_t i, std::int32_t tick) const noexcept {
+        for (std::size_t n = 0; i < samples_.old_count() && n <= Window; ++n, ++i) {
+            const curve::Moment at = samples_.old_when(i);
+            if (at.tick > tick || (at.tick == tick && at.part > 0.0f)) break;
+        }
+        return i;
+    }
+
+    std::int64_t from_origin(std::size_t a, const Value& value) const noexcept {
+        return scale_.to_fine(value[a]) - std::int64_t{state_[a].v[0]} * curve::fine;
+    }
+    std::int32_t relative(std::size_t a, const Value& value) const noexcept {
+        return static_cast<std::int32_t>(from_origin(a, value));
+    }
+
+    void open_window(std::int32_t tick, std::int32_t guess) noexcept {
+        start_tick_ = column_tick_ = tick;
+        ticks_[0] = static_cast<std::uint8_t>(tick);
+        columns_ = 0;
+        stalled_ = false;
+        column_samples_ = first_samples_ = 0;
+        for (std::size_t a = 0; a < D; ++a) search_[a].seed(state_[a], radius_, guess);
+    }
+    void keep(const curve::Moment& at, const Value& value) noexcept {
+        samples_.push(at, value);
+        newest_ = at;
+    }
+    void bound(const curve::Moment& at, const Value& value) noexcept {
+        if (!reaches(value)) stalled_ = true;
+        if (stalled_) return;
+        for (std::size_t a = 0; a < D; ++a)
+            search_[a].sample(at.tick - start_tick_, at.part, relative(a, value));
+    }
+
+    /// A column at `tick`. later: the sample behind it that made it due, not yet kept; null where
+    /// the newest sample is at or before the tick, or none is known.
+    void offer(std::int32_t tick, bool end, bool told, const curve::Moment* later,
+               const Value* later_value) noexcept {
+        if (columns_ >= Window + 1) return;
+        column_tick_ = tick;
+        ticks_[++columns_] = static_cast<std::uint8_t>(tick);
+        const std::size_t last = samples_.count();
+        for (std::size_t a = 0; a < D; ++a) {
+            AxisSearch<Kind, BeamT, Window + 1>& search = search_[a];
+            if (stalled_) continue;
+            const Level level = level_at(a, tick, later, later_value);
+            search.column(columns_, tick - start_tick_, level, end, told);
+            offer_jump(a, tick, level.middle);
+            if (end)
+                search.record();
+            else
+                search.grow(tick - start_tick_);
+        }
+        column_samples_ = last;
+    }
+
+    /// Where axis a should be at a column: at the interpolated neighbours, on the way to the later.
+    Level level_at(std::size_t a, std::int32_t tick, const curve::Moment* later,
+                   const Value* later_value) const noexcept {
+        Level level;
+        const std::size_t last = samples_.count();
+        const bool ahead = later != nullptr && reaches(*later_value);
+        if (last > 0) level.middle = static_cast<float>(relative(a, samples_.value(last - 1)));
+        if (ahead) {
+            level.later = static_cast<float>(relative(a, *later_value));
+            level.after = static_cast<float>(later->tick - tick) + later->part;
+            if (last == 0) level.middle = level.later;
+        }
+        if (last == 0) return level;
+        const curve::Moment at = samples_.when(last - 1);
+        const float gone = static_cast<float>(tick - at.tick) - at.part;
+        if (gone > 0.0f) {
+            if (!ahead) {  // on from the last two samples, a little way
+                if (last < 2 || gone > 0.2f || !reaches(samples_.value(last - 2))) return level;
+                const curve::Moment n = samples_.when(last - 2);
+                const float apart = static_cast<float>(at.tick - n.tick) + (at.part - n.part);
+                const auto before = static_cast<float>(relative(a, samples_.value(last - 2)));
+                level.middle += (level.middle - before) * (gone / apart);
+            } else {
+                level.middle += (level.later - level.middle) * (gone / (gone + level.after));
+            }
+        }
+        const float r = search_[a].radius();
+        level.low = level.middle - r;
+        level.high = level.middle + r;
+        return level;
+    }
+
+    /// Offers the jump from the column before, where it may be cheaper than what there is.
+    void offer_jump(std::size_t a, std::int32_t tick, float middle) noexcept {
+        auto& search = search_[a];
+        const auto& before = search.before();
+        const std::int32_t v = before.v;
+        if (search.count() > 0) {
+            const float rise = middle * (1.0f / curve::fine) - static_cast<float>(v);
+            const Cost least = before.cost + jump_code_cost_min + code::tick_cost +
+                               code::jump_value_cost(static_cast<std::int32_t>(rise));
+            if (search.cost() <= least) return;
+        }
+        const float m = middle * (1.0f / curve::fine);
+        const std::int32_t target =
+            state_[a].v[0] + static_cast<std::int32_t>(m < 0 ? m - 0.5f : m + 0.5f);
+        JumpWalk<1> walk{{v + state_[a].v[0]}, {target},        ticks_[columns_ - 1], tick,
+                         column_samples_,      samples_.count()};
+        curve::State<1> state = search.before_state(columns_ == 1);
+        state.v[0] += state_[a].v[0];
+        code::Counter counter;
+        curve::Piece<1> piece;
+        const NewSource source{*this, a};
+        for (std::size_t i = 0; i < jump_parts_max && walk.next(source, piece); ++i)
+            static_cast<void>(code::code_piece<Kind>(counter, code::costs<Kind, 1>, state, piece,
+                                                     piece.subs, code::End::coded));
+        search.offer_jump(walk.v()[0] - state_[a].v[0], counter.cost());
+    }
+    void commit_present(std::int32_t to, Seam seam) noexcept {
+        segment_.start_tick = start_tick_;
+        segment_.end_tick = to;
+        segment_.starts = starts_;
+        segment_.ends = last_;
+        segment_.start = state_;
+        hard_ = stalled_;
+        const Line line = trend(to);
+        const std::size_t n = samples_.count_to(to);
+        for (std::size_t a = 0; a < D; ++a) commit_axis(a, to, n, line, last_);
+        for (auto& s : state_) {
+            if (seam == Seam::restart) s.forget(true);
+            if (seam == Seam::independent) s.forget(false);
+        }
+    }
+    void commit_axis(std::size_t a, std::int32_t tick, std::size_t samples, const Line& line,
+                     bool last) noexcept {
+        auto& search = search_[a];
+        if (stalled_) {  // one jump from the start of the window, of any size
+            const Value& newest = samples_.value(samples_.count() - 1);
+            const auto target = static_cast<std::int32_t>(
+                (scale_.to_fine(newest[a]) + curve::fine / 2) >> curve::fine_bits);
+            JumpWalk<1> walk{state_[a].v, {target}, start_tick_, tick, first_samples_, samples};
+            curve::Piece<1> piece;
+            const NewSource source{*this, a};
+            for (std::size_t i = 0; i < jump_parts_max && walk.next(source, piece); ++i)
+                static_cast<void>(curve::step(state_[a], piece));
+            steps_[a][0] = {{0}, static_cast<std::uint8_t>(tick - start_tick_), how::jump};
+            step_count_[a] = 1;
+        } else {
+            const std::size_t best = last ? 0 : search.choose(line.value[a], line.slope[a]);
+            step_count_[a] = search.trace(best, ticks_, steps_[a]);
+            curve::State<1> state = search.state(best);
+            state.v[0] += state_[a].v[0];
+            state_[a] = state;
+        }
+        segment_.end_v[a] = state_[a].v[0];
+    }
+
+    /// Least squares over the newest samples of the window, extrapolated to `tick`.
+    Line trend(std::int32_t tick) const noexcept {
+        constexpr std::size_t most = 12;
+        Line line;
+        const std::size_t count = samples_.count(), n = count < most ? count : most;
+        if (n == 0 || stalled_) return line;
+        float t[most]{}, st = 0, stt = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const curve::Moment at = samples_.when(count - 1 - i);
+            t[i] = static_cast<float>(at.tick - tick) + at.part;
+            st += t[i];
+            stt += t[i] * t[i];
+        }
+        const auto m = static_cast<float>(n);
+        const float det = m * stt - st * st;
+        for (std::size_t a = 0; a < D; ++a) {
+            const auto newest = static_cast<float>(relative(a, samples_.value(count - 1)));
+            float sx = 0, stx = 0;
+            for (std::size_t i = 0; i < n; ++i) {
+                const float x =
+                    static_cast<float>(relative(a, samples_.value(count - 1 - i))) - newest;
+                sx += x;
+                stx += t[i] * x;
+            }
+            line.slope[a] = n > 2 && det > 0.0f ? (m * stx - st * sx) / det : 0.0f;
+            line.value[a] = newest - line.slope[a] * t[0];
+        }
+        return line;
+    }
+
+    Samples<Value, Window> samples_{};
+    std::array<AxisSearch<Kind, BeamT, Window + 1>, D> search_{};
+    std::array<std::array<Step<1>, Window + 1>, D> steps_{};
+    std::array<std::size_t, D> step_count_{};
+    std::array<std::uint8_t, Window + 2> ticks_{};
+    std::array<curve::State<1>, D> state_{};  // where the window began; v is its origin
+    Segment segment_{};
+    Cursor cursor_{};
+    Check check_{};
+    curve::Scale scale_{};
+    float radius_{}, full_radius_{};
+    curve::Moment newest_{};
+    std::int32_t start_tick_{0}, column_tick_{0}, end_tick_{0};
+    std::size_t columns_{0}, column_samples_{0}, first_samples_{0};
+    std::uint32_t failures_{0};
+    bool active_{false}, starts_{false}, stalled_{false}, last_{false}, hard_{false};
+};
+
+}  // namespace fairlead::reduce

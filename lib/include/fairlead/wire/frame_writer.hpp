@@ -1,0 +1,81 @@
+#pragma once
+// Writes data frames: head, content, check; keeps the states and the chain from frame to frame.
+//
+// A frame is written in portions: open(), then piece() for each piece in the order that place()
+// tells, then close(). The memory of a frame is here; close() gives its bytes, good until the next
+// open().
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "fairlead/base/crc32.hpp"
+#include "fairlead/wire/content.hpp"
+
+namespace fairlead::wire {
+
+template <std::size_t Axes, std::size_t Rotations, class Kinds>
+class FrameWriter {
+  public:
+    using Layout = Tracks<Axes, Rotations>;
+    using States = TrackStates<Axes, Rotations>;
+    using Coder = Content<code::RangeEncoder, Axes, Rotations, Kinds>;
+
+    /// A run begins: its first frame follows this header.
+    void begin_run(const StreamShape& shape, std::uint32_t digest, std::int64_t end) noexcept {
+        static_cast<void>(layout_.take(shape));
+        timing_ = shape.timing;
+        states = {};
+        link_ = {end, digest, 0};
+    }
+
+    /// What the frame to open says of the channels; the caller fills channel, told and
+    /// first of it, and sets `states` of curves that start to their first vertices.
+    Coder& prepare() noexcept {
+        coder_ = {};
+        return coder_;
+    }
+    bool open(const FrameHead& head) noexcept {
+        head_ = head;
+        io_ = {bytes_.data() + 1, payload_max};
+        return code_head(io_, head_, timing_, link_.end) &&
+               coder_.open(io_, layout_, states, head_, timing_.independent, Reading::in_step,
+                           first);
+    }
+    bool done() const noexcept { return coder_.done(layout_); }
+    const typename Coder::Place& place() const noexcept { return coder_.place(); }
+    bool rotates() const noexcept { return layout_.channel[place().channel].rotates; }
+    template <std::size_t N>
+    bool piece(curve::Piece<N>& p) noexcept {
+        return coder_.piece(io_, layout_, states, p.code, p.subs, p.k.data()) && io_.ok();
+    }
+    /// Seals the frame. @return its size; 0: it did not fit into a frame.
+    std::size_t close() noexcept {
+        coder_.close(layout_, states);
+        const std::size_t size = io_.finish();
+        if (!io_.ok() || size > payload_max) return 0;
+        bytes_[0] = static_cast<std::uint8_t>(size);
+        append_crc16(bytes_.data(), 1 + size, seed(link_));
+        const std::size_t all = 1 + size + check_size;
+        link_.previous = digest_of(bytes_.data(), all, head_.restart, link_);
+        link_.end = head_.end;
+        return all;
+    }
+    const std::uint8_t* data() const noexcept { return bytes_.data(); }
+    const Link& link() const noexcept { return link_; }
+    const Layout& layout() const noexcept { return layout_; }
+    const FrameHead& head() const noexcept { return head_; }
+
+    States states{};
+    Places<Axes, Rotations> first{};
+
+  private:
+    Layout layout_{};
+    FrameTiming timing_{};
+    Link link_{};
+    FrameHead head_{};
+    Coder coder_{};
+    code::RangeEncoder io_{};
+    std::array<std::uint8_t, data_frame_max> bytes_{};
+};
+
+}  // namespace fairlead::wire
