@@ -70,9 +70,18 @@ class Encoder {
     /// Pushes from the commit of a frame to its last byte, by the delay: short windows are coded at
     /// once.
     static constexpr std::uint32_t spare(std::uint32_t delay_records) noexcept {
-        return delay_records >= 48 ? 6 : delay_records >= 24 ? 2 : 0;
+        return delay_records >= 96 ? 6 : delay_records >= 48 ? 3 : delay_records >= 24 ? 2 : 0;
     }
-    static constexpr std::size_t window_max = Records - spare(Records) + 1;
+    /// Records of the reducer's window at a delay, and the most at any delay of the type.
+    static constexpr std::uint32_t window_records(std::uint32_t delay_records) noexcept {
+        return delay_records - spare(delay_records) + 1;
+    }
+    static constexpr std::size_t window_max = [] {
+        std::uint32_t most = 0;
+        for (std::uint32_t d = 8; d <= Records; ++d)
+            most = window_records(d) > most ? window_records(d) : most;
+        return std::size_t{most};
+    }();
 
     static constexpr Check check(const Params& params) noexcept {
         const Check ranges = fairlead::detail::check_ranges(params);
@@ -204,7 +213,7 @@ class Encoder {
         (reducer_.template channel<Index>().configure(params_.tolerance[Index]), ...);
         reduce::Window window;
         // the oldest record of a frame waits for records - 1 pushes, and for the coding
-        window.records = static_cast<std::int32_t>(params_.delay_records - spare_ + 1);
+        window.records = static_cast<std::int32_t>(window_records(params_.delay_records));
         const std::int64_t tick = curve::Grid::of_period(0, params_.sample_period_ns).tick_ns();
         window.gap_ticks = static_cast<std::int32_t>(limits(params_).gap_ns / tick);
         const bool independent = params_.restart_interval_ns == every_frame_ns;
