@@ -20,69 +20,11 @@
 #include <utility>
 
 #include "fairlead/wire/content.hpp"
+#include "fairlead/wire/curve_piece.hpp"
 #include "fairlead/wire/events.hpp"
 #include "fairlead/wire/receiver.hpp"
 
 namespace fairlead::wire {
-
-/// A piece of one track, an axis or a rotation, between two vertices of its curve. start < end but
-/// for a curve of a single vertex.
-struct CurvePiece {
-    std::uint8_t channel{0};
-    std::uint8_t axis{0};             // of the channel; 0 for a rotation
-    bool rotates{false};              // 3 components about the anchor; else 1
-    bool begins{false};               // a curve starts: nothing joins it to what was before
-    bool jumps{false};                // the value jumped at the piece's start: a break
-    bool ends{false};                 // the curve ends with this piece
-    bool fresh{false};                // a cubic leads from the slope to that of the chord
-    std::uint8_t code{0};             // curve/lengths.hpp
-    std::int64_t start{0}, end{0};    // sub-ticks since the run's base; Grid::time_ns() gives ns
-    std::array<std::int32_t, 3> v{};  // lattice steps at the start
-    std::array<std::int32_t, 3> s{};  // slope there, 1/960 step a tick; of a jump: its size, steps
-    std::array<float, 3> rise{};      // steps from start to end
-    Quat anchor{};                    // of a rotation
-    curve::Scale scale{};             // of the lattice: value = steps * scale.step()
-
-    /// Lattice steps of component c, `ticks` after the piece's start, which may have a fraction;
-    /// with Real = double the encoder's guarantee holds for it. A piece holds for times behind its
-    /// start up to its end, the first one of a curve also at its start.
-    template <class Real>
-    Real steps_at(Real ticks, std::size_t c = 0) const noexcept {
-        // a curve that begins with a jump has its first value at its start alone
-        if (jumps && begins && !(ticks > 0)) return static_cast<Real>(v[c] - s[c]);
-        return static_cast<Real>(v[c]) + polynomial<Real>(c).rise(ticks);
-    }
-    /// Steps a tick, and steps a tick^2.
-    template <class Real>
-    Real rate_at(Real ticks, std::size_t c = 0) const noexcept {
-        return polynomial<Real>(c).rate(ticks);
-    }
-    template <class Real>
-    Real bend_at(Real ticks, std::size_t c = 0) const noexcept {
-        return polynomial<Real>(c).bend(ticks);
-    }
-    template <class Real>
-    curve::Polynomial<Real> polynomial(std::size_t c) const noexcept {
-        if (start == end) return {};
-        const auto h = static_cast<std::int32_t>((end - start) / curve::subs_per_tick);
-        return curve::polynomial<Real>(code, fresh, s[c], static_cast<Real>(rise[c]), h);
-    }
-    /// From the start to the end.
-    double ticks() const noexcept {
-        return static_cast<double>(end - start) / curve::subs_per_tick;
-    }
-};
-
-/// The rotation of a piece, `ticks` after its start.
-template <class Real>
-BasicQuat<Real> rotation_at(const CurvePiece& p, Real ticks) noexcept {
-    const auto step = static_cast<Real>(p.scale.step());
-    const BasicVec3<Real> theta{step * p.steps_at(ticks, 0), step * p.steps_at(ticks, 1),
-                                step * p.steps_at(ticks, 2)};
-    const BasicQuat<Real> anchor{static_cast<Real>(p.anchor.w), static_cast<Real>(p.anchor.x),
-                                 static_cast<Real>(p.anchor.y), static_cast<Real>(p.anchor.z)};
-    return anchor * from_rotation_vector(theta);
-}
 
 /// What a decoder reads. What is off costs nothing.
 struct Everything {
