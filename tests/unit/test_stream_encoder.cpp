@@ -234,6 +234,41 @@ TEST(StreamEncoder, ChannelsInTurnKeepTheirOwnColumns) {
     }
 }
 
+/// Values that leap over the whole range with every record, records as close as they may be: no
+/// frame may grow beyond its bytes.
+TEST(StreamEncoder, NoFrameOverflowsWhateverComes) {
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        Dice dice{std::mt19937_64{seed}};
+        typename Both::Params params;
+        params.sample_period_ns = 6'400'000;
+        params.tolerance = {0.001f, seed % 2 == 0 ? 0.0044f : 1.2e-4f};
+        params.delay_records = 8 + dice.below(113);
+        params.restart_interval_ns = seed % 3 == 0   ? wire::every_frame_ns
+                                     : seed % 3 == 1 ? 10'000'000
+                                                     : wire::never_ns;
+        const double size = std::pow(10.0, 4.3 * dice.unit()), often = dice.unit();
+        Checked<Both> run{params};
+        std::int64_t t = 0;
+        double x[3]{}, turn[3]{};
+        for (int i = 0; i < 400; ++i) {
+            for (auto& one : x)
+                if (dice.chance(often)) one = size * (dice.chance(0.5) ? 1 : -1) * dice.unit();
+            for (auto& one : turn)
+                if (dice.chance(often)) one = 1.8 * (2 * dice.unit() - 1);
+            run.push(
+                t,
+                {{static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])},
+                 turned(turn[0], turn[1], turn[2])},
+                3, 0, i == 0);
+            t += params.sample_period_ns * (20 + (dice.chance(0.2) ? dice.below(60) : 0)) / 64;
+        }
+        run.finish();
+        ASSERT_TRUE(run.check.good())
+            << "seed " << seed << ": " << run.check.first_fault << ", overflows "
+            << run.check.encoder.overflows() << ", failures " << run.check.encoder.check_failures();
+    }
+}
+
 TEST(StreamEncoder, AFlushMayComeAtAnyTime) {
     for (const double spacing : {0.35, 0.5, 0.8, 1.0}) {
         typename Both::Params params;

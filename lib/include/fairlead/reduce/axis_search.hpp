@@ -143,6 +143,7 @@ class AxisSearch {
         float least = far_away;
         for (std::size_t i = 0; i < column_count_; ++i) {
             const Child& c = column_[i];
+            if (c.cost > column_[0].cost + margin_cost) break;
             const float off = static_cast<float>(c.v * curve::fine) - value;
             const float turn = static_cast<float>(c.s) * slope_fine - slope;
             const float seam = (off + turn * seam_ticks) / radius_;

@@ -45,13 +45,15 @@ inline constexpr Cost cost_limit = 60000;
 inline constexpr float rounding = 0x1p-19f;
 inline constexpr float far_away = 1e30f;
 
-/// Bits of one jump between two columns of a window, at most: of four samples or fewer, each with a
-/// part of its own, two parts without one at ticks between, four codes. No other piece has more.
+/// Bits of one jump between two columns of a window, at most: of so many samples, each with a part
+/// of its own, one part to the target, two parts without a value at ticks between, four codes, and
+/// the margin by which the vertex that is chosen may be dearer. No other piece has more.
 constexpr Cost jump_bits_max(std::size_t components, std::size_t samples = 4) noexcept {
-    const auto n = static_cast<Cost>(components),
-               own = static_cast<Cost>(samples < 4 ? samples : 4);
+    const auto n = static_cast<Cost>(components);
+    const auto own = static_cast<Cost>(samples < 7 ? samples : 7) + 1;
     const Cost duration = code::other_duration_cost / 16 + 1, code_bits = code::cost_max / 16;
-    return own * (n * (5 + 17) + duration) + 2 * (n * 5 + duration) + 4 * code_bits;
+    return own * (n * (5 + 17) + duration) + 2 * (n * 5 + duration) + 4 * code_bits +
+           margin_cost / 16;
 }
 
 /// How the vertex of a child was reached.

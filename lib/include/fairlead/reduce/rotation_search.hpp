@@ -146,6 +146,7 @@ class RotationSearch {
         float least = far_away;
         for (std::size_t i = 0; i < column_count_; ++i) {
             const Child& c = column_[i];
+            if (c.cost > column_[0].cost + margin_cost) break;
             float seam = 0;
             for (std::size_t a = 0; a < 3; ++a) {
                 const float off = told ? 0.0f : static_cast<float>(c.v[a]) - value[a];

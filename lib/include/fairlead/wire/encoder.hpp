@@ -4,6 +4,7 @@
 // A frame that the reducer has committed is compared with its samples, and then coded, in portions
 // over the next `spare` pushes: no push does all the work of a frame. What of the delay remains is
 // the reducer's window. Header frames and event frames leave before data frames of the same push.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -191,9 +192,9 @@ class Encoder {
     /// Bits of a frame beside its pieces and what its curves tell where they start, at most. Head:
     /// restart 2, ticks 3 + 17, time 42, flag of the jump 1; of a channel: flags 13, two ticks 17,
     /// and its end: 27 for each axis of a vector, 50 for a rotation. An independent frame tells as
-    /// much at its start, and slopes: 27 for each axis, 77 for a rotation.
+    /// much at its start, and slopes: 27 for each axis, 77 for a rotation. The coder's end: 20.
     static constexpr std::size_t overhead_bits(bool independent) noexcept {
-        std::size_t bits = 65 + 30 * channel_count + 50 * rotations;
+        std::size_t bits = 65 + 20 + 30 * channel_count + 50 * rotations;
         bits += (0 + ... + (Channels::axes > 0 ? 5 + 27 * Channels::axes : 0));
         if (independent) bits += 127 * rotations;
         if (independent) bits += (0 + ... + (Channels::axes > 0 ? 5 + 27 * Channels::axes : 0));
@@ -205,7 +206,10 @@ class Encoder {
         (0 + ... + Channels::template Channel<window_max>::column_bits_max);
     static constexpr std::size_t start_bits =
         (0 + ... + Channels::template Channel<window_max>::start_bits_max);
-    static_assert(8 * payload_max > overhead_bits(true) + start_bits + column_bits + 100,
+    // a curve that starts tells no slopes, and its values once
+    static constexpr std::size_t first_bits =
+        (std::max)(start_bits, overhead_bits(true) - overhead_bits(false));
+    static_assert(8 * payload_max > overhead_bits(false) + first_bits + column_bits,
                   "the channels are too many for a frame");
 
     template <std::size_t... Index>
