@@ -90,6 +90,7 @@ struct BoardOf {
 using PoseBoard = BoardOf<Pose, Channels<Position, Orientation>>;
 using FilteredBoard = BoardOf<Pose, Channels<Position, Orientation>, PoseFilter<5>>;
 using ImuBoard = BoardOf<Imu<AttitudeMode::imu>, Channels<Orientation>>;
+using GyroBoard = BoardOf<Imu<AttitudeMode::gyro>, Channels<Orientation>>;
 using ImuMagBoard = BoardOf<Imu<>, Channels<Orientation>, PoseFilter<3>>;
 using JointBoard = BoardOf<VectorSample<7>, Channels<Vector<7>>>;
 
@@ -269,6 +270,37 @@ TEST(Pipeline, ALoneWrongStampAndANewClockReachTheEncoderAsTheyShould) {
         EXPECT_EQ((records[i].flags & flag::new_run) != 0, i == 40 || i == 80) << i;
     }
     EXPECT_EQ(chain->intake().faults()[Fault::backward_time], 1u);
+}
+
+// The attitude filter stands between the intake and the encoder, and hands on that a run begins.
+// first: valid bits of the sample with which it begins.
+template <class Board>
+void a_new_clock_reaches_the_encoder(flag::Bits first) {
+    constexpr flag::Bits all = flag::gyro_valid | flag::accel_valid | flag::mag_valid;
+    const auto chain = make<Board>(10 * ms);
+    std::vector<std::int64_t> expected;
+    for (const std::int64_t base : {5000 * ms, 10 * ms, 1'700'000'000'000 * ms, 20 * ms})
+        for (int i = 0; i < 40; ++i) {
+            expected.push_back(base + i * 10 * ms);
+            chain->push(sample_at(expected.back(), i == 0 && expected.size() > 1 ? first : all));
+        }
+    drain(*chain);
+    const auto& records = chain->encoder().records;
+    ASSERT_EQ(records.size(), expected.size());
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        EXPECT_EQ(records[i].t_ns, expected[i]);
+        EXPECT_EQ((records[i].flags & flag::new_run) != 0, i > 0 && i % 40 == 0) << i;
+        if (i % 40 != 0) {
+            EXPECT_NE(records[i].flags & flag::orientation_valid, 0u) << i;
+        }
+    }
+}
+TEST(Pipeline, ANewClockPassesTheAttitudeFilter) {
+    for (const flag::Bits first : {flag::gyro_valid | flag::accel_valid, +flag::accel_valid}) {
+        a_new_clock_reaches_the_encoder<ImuBoard>(first);
+        a_new_clock_reaches_the_encoder<ImuMagBoard>(first);
+        a_new_clock_reaches_the_encoder<GyroBoard>(first);
+    }
 }
 
 // Nothing given but the period itself, or not even that.

@@ -62,8 +62,12 @@ class BasicAttitude {
         const bool new_run = (sample.flags & flag::new_run) != 0;
         if (!new_run && sample.t_ns <= s_.t_ns) return std::nullopt;
         if (new_run || lapse(sample) > gap_ns_max_) {  // also where only invalid samples came
-            if (has_gyro && has_accel) begin(sample);
-            return pose(sample, has_gyro && has_accel);
+            if (has_gyro && has_accel) {
+                begin(sample);
+                return pose(sample);
+            }
+            if (new_run) s_.phase = AttitudePhase::empty;  // begins with what comes next
+            return pose(sample, false);
         }
         if (!has_gyro) return pose(sample, false);  // bridged like a lost one
         step(sample, has_accel);
@@ -393,7 +397,7 @@ class BasicAttitude {
         out->t_ns = sample.t_ns;
         out->q_wb = {static_cast<float>(s_.q_wb.w), static_cast<float>(s_.q_wb.x),
                      static_cast<float>(s_.q_wb.y), static_cast<float>(s_.q_wb.z)};
-        out->flags = s_.flags | (sample.flags & flag::gap_before) |
+        out->flags = s_.flags | (sample.flags & (flag::gap_before | flag::new_run)) |
                      (known ? flag::orientation_valid : flag::settling);
         return out;
     }

@@ -53,10 +53,13 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
             start_rest(s_.rest, params_, gyro, Vector{});
             return pose(sample, flag::orientation_valid);
         }
+        if ((sample.flags & flag::new_run) != 0) return resume(sample, usable, gyro);
         if (sample.t_ns <= s_.t_ns) return std::nullopt;
         if (!usable) return pose(sample, 0);
         // a gap of any length is bridged: there is nothing better to do
-        const auto dt = static_cast<Real>(sample.t_ns - s_.t_ns) * static_cast<Real>(1e-9);
+        const std::uint64_t step_ns =
+            static_cast<std::uint64_t>(sample.t_ns) - static_cast<std::uint64_t>(s_.t_ns);
+        const auto dt = static_cast<Real>(step_ns) * static_cast<Real>(1e-9);
         s_.t_ns = sample.t_ns;
         const bool clipped = is_clipped(sample, flag::gyro_clipped) ||
                              at_range_end(sample.gyro_rad_s, params_.gyro_full_scale_rad_s);
@@ -87,6 +90,14 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
   private:
     static Real squared(float x) noexcept { return static_cast<Real>(x) * static_cast<Real>(x); }
 
+    /// A new run: its clock has nothing to do with the one before. Nothing tells how far the body
+    /// turned meanwhile, so the orientation stays.
+    Pose resume(const Sample& sample, bool usable, const Vector& gyro) noexcept {
+        s_.t_ns = sample.t_ns;
+        if (usable) s_.rate_rad_s = gyro - s_.bias_rad_s;
+        start_rest(s_.rest, params_, s_.rate_rad_s + s_.bias_rad_s, Vector{});
+        return pose(sample, usable ? +flag::orientation_valid : 0u);
+    }
     /// One sample after a long gap is no rest, however long the gap.
     bool notice_rest(const Vector& gyro, Real dt) noexcept {
         if (dt > static_cast<Real>(params_.gap_s_max)) {
@@ -123,7 +134,7 @@ class BasicAttitude<Real, AttitudeMode::gyro> {
         out.t_ns = sample.t_ns;
         out.q_wb = {static_cast<float>(s_.q_wb.w), static_cast<float>(s_.q_wb.x),
                     static_cast<float>(s_.q_wb.y), static_cast<float>(s_.q_wb.z)};
-        out.flags = flags | (sample.flags & flag::gap_before);
+        out.flags = flags | (sample.flags & (flag::gap_before | flag::new_run));
         return out;
     }
 
