@@ -13,6 +13,7 @@ namespace {
 
 using Both = wire::Encoder<120, 2, wire::Vector<3>, wire::Orientation<>>;
 using Alone = wire::Encoder<64, 0, wire::Vector<2, wire::Small>>;
+using Pair = wire::Encoder<60, 0, wire::Vector<1, wire::Small>, wire::Vector<1, wire::Small>>;
 using Turning = wire::Encoder<32, 0, wire::Orientation<wire::Small>>;
 
 struct Dice {
@@ -186,6 +187,72 @@ TEST(StreamEncoder, RecordsWithoutAValueCountForTheDelay) {
                     << run.check.encoder.overflows();
             }
         }
+    }
+}
+
+/// A frame that ends early leaves a sample behind its end, which goes on to age with every record,
+/// also with one that has no value and at which the frame ends.
+TEST(StreamEncoder, ASampleThatAnEarlyFrameLeavesGoesOnToAge) {
+    for (const std::uint32_t delay : {8u, 16u, 23u, 31u, 48u, 60u})
+        for (std::uint32_t some = 2; some < 60; some += some < 20 ? 1 : 7)
+            for (std::uint32_t empty = 0; empty < delay; empty += empty < 6 ? 1 : 5)
+                for (const float leap : {0.0f, 3e4f})  // one that a window cannot reach
+                    for (const double offset : {0.0, 0.1, 0.4}) {
+                        typename Pair::Params params;
+                        params.tolerance = {0.01f, 0.01f};
+                        params.delay_records = delay;
+                        params.gap_ns = 12 * params.sample_period_ns;
+                        StreamCheck<Pair, wire::Decoder<2, 0>> check{params};
+                        const auto period = static_cast<double>(params.sample_period_ns);
+                        for (std::uint32_t i = 0; i < some + empty + 2 * delay; ++i) {
+                            // one channel is lost at once, the other for a while
+                            const bool lost = i >= some && i < some + empty;
+                            const float x = i < some ? 0.0f : leap;
+                            const double at = static_cast<double>(i) + (i > 0 ? offset : 0.0);
+                            check.push(static_cast<std::int64_t>(at * period),
+                                       Pair::Values{{x}, {x}},
+                                       i == 0 ? 3
+                                       : lost ? 0
+                                              : 1,
+                                       0, i == 0);
+                        }
+                        check.finish();
+                        ASSERT_TRUE(check.good())
+                            << "delay " << delay << ", " << some << " and " << empty << ", leap "
+                            << leap << ", offset " << offset << ": " << check.first_fault;
+                    }
+}
+
+/// Channels that come and go by themselves, with and without a gap, records without a value, leaps.
+TEST(StreamEncoder, ChannelsThatComeAndGoLeaveInTime) {
+    for (unsigned seed = 0; seed < 3000; ++seed) {
+        Dice dice{std::mt19937_64{seed}};
+        typename Pair::Params params;
+        params.tolerance = {0.01f, 0.01f};
+        params.delay_records = 8 + dice.below(16);
+        const auto period = static_cast<double>(params.sample_period_ns);
+        params.gap_ns = static_cast<std::int64_t>((1 + 20 * dice.unit()) * period);
+        StreamCheck<Pair, wire::Decoder<2, 0>> check{params};
+        const double spacing = 0.35 + dice.unit(), jitter = dice.unit();
+        const double empty = dice.unit(), leap = dice.chance(0.5) ? 0.0 : 0.1 * dice.unit();
+        double at = 0;
+        float x = 0;
+        std::uint32_t valid = 3;
+        for (std::uint32_t i = 0, left = 5; i < 200; ++i) {
+            if (left-- == 0) {
+                valid = dice.chance(empty) ? 0 : dice.below(4);
+                left = static_cast<std::uint32_t>(25 * dice.unit() * dice.unit());
+            }
+            if (dice.chance(leap)) x = static_cast<float>(6e4 * (dice.unit() - 0.5));
+            x += static_cast<float>(0.005 * (dice.unit() - 0.5));
+            const std::uint32_t gaps = dice.chance(0.02) ? dice.below(4) : 0;
+            check.push(static_cast<std::int64_t>(at * period), Pair::Values{{x}, {x}}, valid, gaps,
+                       i == 0);
+            at += std::max(0.33, spacing * (1 + jitter * (2 * dice.unit() - 1)));
+        }
+        check.finish();
+        ASSERT_TRUE(check.good()) << "seed " << seed << ", delay " << params.delay_records << ": "
+                                  << check.first_fault;
     }
 }
 

@@ -108,8 +108,11 @@ class Reducer {
               Seam seam, Drain&& drain) noexcept {
         const bool empty = (valid & ((1u << channel_count) - 1u)) == 0;
         bool committed = started_ && pause(t_ns, gaps, seam, drain);
-        if (committed && empty) return true;
-        if (empty) return started_ && grow_older(t_ns, seam, drain);
+        if (empty) {
+            if (!started_) return committed;
+            count(false);
+            return committed || grow_older(t_ns, seam, drain);
+        }
         if (!started_) restart_grid(t_ns);
         curve::Moment at = grid_.moment(t_ns, start_);
         std::int32_t column = grid_.column(t_ns, start_);
@@ -122,8 +125,10 @@ class Reducer {
             at = grid_.moment(t_ns, start_);
             column = grid_.column(t_ns, start_);
         }
-        ++waiting_;
-        ++behind_;
+        count(true);
+        // a record that came when no column could be offered may lie behind this one as well
+        const bool reached =
+            std::any_of(due_.begin(), due_.end(), [column](std::int32_t d) { return d >= column; });
         const std::uint32_t due = take_due(column, valid);
         const bool offers = due != 0 && !committed;
         const bool nearly = ahead + full_soon > window_.cost_max;
@@ -141,7 +146,7 @@ class Reducer {
         if (offers && column > column_) {
             column_ = column;
             const bool later = at.tick > column || (at.tick == column && at.part > 0.0f);
-            behind_ = later || starts ? 1 : 0;
+            if (!reached) behind_ = later || starts ? 1 : 0;
         }
         if (committed) return true;
         const bool full = offers && needs(0) > window_.cost_max;
@@ -266,15 +271,19 @@ class Reducer {
         if (all) started_ = false;
         return false;
     }
-    /// A record without a value: the window's samples have waited for one more. Where they have
-    /// waited long enough and the newest lies behind the last column, a frame ends at the tick
-    /// behind that sample as soon as no later record can be before this tick.
+    /// Counts a record, with a value or without one: each sample that waits has waited for one
+    /// more. Every record is counted here, once, after a frame that must end before it.
+    void count(bool sample) noexcept {
+        if (sample || waiting_ > 0) ++waiting_;
+        if (sample || behind_ > 0) ++behind_;
+    }
+    /// After a record without a value: where the samples have waited long enough and the newest
+    /// lies behind the last column, a frame ends at the tick behind that sample as soon as no later
+    /// record can be before this tick.
     template <class Drain>
     bool grow_older(std::int64_t t_ns, Seam seam, Drain& drain) noexcept {
-        if (waiting_ == 0) return false;
-        ++waiting_;
-        if (behind_ > 0) ++behind_;
-        if (waiting_ + records_a_tick < window_.records) return false;
+        // so early that a sample behind a frame that ends for another reason can still follow
+        if (waiting_ == 0 || waiting_ + records_a_tick < window_.records) return false;
         std::int32_t last = 1;
         each([&](const auto& c, auto) {
             if (!c.active()) return;
