@@ -10,6 +10,7 @@
 #include "fairlead/base/bytes.hpp"
 #include "fairlead/base/check.hpp"
 #include "fairlead/board.hpp"
+#include "fairlead/math/approx.hpp"
 #include "fairlead/sense/intake.hpp"
 #include "fairlead/stream_params.hpp"
 #include "fairlead/wire/encoder.hpp"
@@ -70,8 +71,8 @@ class StreamEncoderOf<Board, Channels<Channel...>> {
     using Carried = WireChannel<C, Board::beam>;
     using Inner = wire::Encoder<Board::delay_records_max - 1, Board::events_max,
                                 typename Carried<Channel>::Tag...>;
-    static_assert(((tolerance_min<Channel> == Carried<Channel>::Tag::tolerance_min &&
-                    tolerance_max<Channel> == Carried<Channel>::Tag::tolerance_max) &&
+    static_assert(((approx::same(tolerance_min<Channel>, Carried<Channel>::Tag::tolerance_min) &&
+                    approx::same(tolerance_max<Channel>, Carried<Channel>::Tag::tolerance_max)) &&
                    ...),
                   "the ranges of tolerances are those of the channels");
 
