@@ -47,7 +47,7 @@ void run(Options& options) {
 
 void add_reduce(CLI::App& app) {
     auto* command =
-        app.add_subcommand("reduce", "Reduce a recording to a stream of few knots, unfiltered");
+        app.add_subcommand("reduce", "Reduce a recording to a stream of few bytes, unfiltered");
     auto options = std::make_shared<Options>();
     options->input.add_to(*command);
     options->input.add_strict_to(*command);

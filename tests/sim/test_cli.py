@@ -181,7 +181,7 @@ def test_reduce_of_one_channel(folder):
     must("reduce", trk, "--tol-pos", "1e-3", "--channel", "position", "--out", folder / "s.flr")
 
 
-def test_fewer_restarts_save_bytes(folder):
+def test_more_restarts_cost_bytes(folder):
     trk = generated(folder)
     def reduced(*options):
         summary = json.loads(must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436",
@@ -190,7 +190,9 @@ def test_fewer_restarts_save_bytes(folder):
     usual, often, once = reduced(), reduced("--restart", 0.5), reduced("--restart", 1000)
     alone = reduced("--independent")
     assert once[2] < usual[2] < often[2] < alone[2] == alone[1], (once, usual, often, alone)
-    assert once[0] < usual[0] < often[0] and usual[0] < alone[0], (once, usual, often, alone)
+    assert usual[0] < often[0] and usual[0] < alone[0], (once, usual, often, alone)
+    # behind a restart the slope is free, which saves about what the restart costs: docs/choosing.md
+    assert once[0] < 1.1 * usual[0], (once, usual, often, alone)
     assert reduced("--restart", 0) == alone
 
 

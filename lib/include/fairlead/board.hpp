@@ -26,7 +26,7 @@ struct Position {};
 struct Orientation {};
 template <std::size_t D>
 struct Vector {
-    static_assert(D >= 1 && D <= 16, "a vector has 1 to 16 components");
+    static_assert(D >= 1 && D <= vector_components_max, "a vector has 1 to 5 components");
 };
 
 /// The channels that leave: Position, Orientation, both, or one Vector<D>.
@@ -41,7 +41,7 @@ template <AttitudeMode mode = AttitudeMode::imu_mag>
 struct Imu {};
 
 /// Width of the search for few bytes: more hypotheses cost work and RAM, and save bytes.
-/// docs/parameters.md has the figures.
+/// docs/choosing.md has the figures.
 enum class Beam : std::uint8_t { narrow, medium, wide };
 
 /// Leaves records as they are.

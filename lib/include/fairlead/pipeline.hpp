@@ -5,7 +5,7 @@
 //
 // In:    one record a push, times in any order: the intake judges them, and nothing else does.
 // Out:   whole frames, often none. Each accepted record is covered within tolerance by bytes that
-//        have left after params.delay_records more pushes, and the filter's latency.
+//        have left after params.delay_records more accepted records, and the filter's latency.
 // Cost:  memory is the object; work of a push, an idle() and a flush() is bounded by the type.
 // State: refused parameters make it inert: check() names the field, and every call says so.
 #include <cstdint>

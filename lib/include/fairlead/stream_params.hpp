@@ -12,7 +12,7 @@
 
 namespace fairlead {
 
-/// One value for each axis; one number alone holds for all.
+/// One value for each axis; one number alone holds for all. The smallest holds for all axes.
 template <std::size_t D>
 struct PerAxis : std::array<float, D> {
     constexpr PerAxis() noexcept : PerAxis{0.0f} {}

@@ -1,6 +1,6 @@
 #pragma once
-// What flows through fairlead: Sample in, Pose inside, spans out (reduce/span.hpp), and Event
-// beside them. All plain data.
+// What flows through fairlead: Sample, Pose or VectorSample, and Event beside them. All plain
+// data.
 //
 // Conventions, stated once:
 //   - SI units: m, s, rad, rad/s, m/s^2; magnetic field in uT. Degrees and g exist at the edges
@@ -82,6 +82,9 @@ struct alignas(8) Pose {
     Quat q_wb{};
     std::uint32_t flags{};
 };
+
+/// The most components of a vector: a frame holds one step of so many, whatever comes.
+inline constexpr std::size_t vector_components_max = 5;
 
 /// D numbers that were measured together, such as joint angles. Units are the caller's.
 template <std::size_t D>

@@ -31,7 +31,7 @@ struct VectorSegment {
 
 template <std::size_t D, class Kind, class BeamT, std::size_t Window>
 class VectorChannel {
-    static_assert(D >= 1 && D <= 6, "a frame of 250 bytes holds one step of at most 6 axes");
+    static_assert(D >= 1 && D <= vector_components_max, "a frame holds one step of 5 axes");
     static_assert(Window >= 4 && Window <= 240, "a window holds 4 to 240 records");
 
   public:

@@ -125,7 +125,9 @@ class Encoder {
                bool new_run) noexcept {
         size_ = 0;
         if (!good_) return {nullptr, 0, Status::bad_argument};
-        if (new_run || !running_ || reducer_.ended_behind(t_ns)) begin_run(t_ns);
+        // a time that does not rise has nothing to do with those before, whatever the flags say
+        const bool rises = t_ns > now_ns_;
+        if (new_run || !running_ || !rises || reducer_.ended_behind(t_ns)) begin_run(t_ns);
         const reduce::Seam seam = seam_at(t_ns);
         const auto drain = [this] { finish_frame(); };
         const bool committed = reducer_.push(t_ns, values, valid, gaps, seam, drain);

@@ -72,10 +72,11 @@ struct Tracks {
   private:
     bool set_scale(bool rotates, std::size_t at, const curve::Scale& s) noexcept {
         if (at >= (rotates ? Rotations : Axes) || !curve::Scale::valid(s.m, s.e)) return false;
-        if (rotates) {
-            if constexpr (Rotations > 0) turn[at] = s;
-            return curve::rotation_step_valid(step_of(s));
-        }
+        if constexpr (Rotations > 0)
+            if (rotates) {
+                turn[at] = s;
+                return curve::rotation_step_valid(step_of(s));
+            }
         if constexpr (Axes > 0) scale[at] = s;
         return true;
     }
