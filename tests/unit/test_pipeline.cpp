@@ -452,7 +452,7 @@ TEST(Pipeline, VectorsTakeTheSameWay) {
     VectorSample<5> sample{0, {1, 2, 3, 4, 5}, flag::vector_valid};
     EXPECT_EQ(chain->push(sample).status, Status::ok);
     sample.t_ns = 10 * ms;
-    sample.value[6] = nan_f;
+    sample.value[4] = nan_f;
     EXPECT_EQ(chain->push(sample).status, Status::no_valid_data);
     ASSERT_EQ(chain->encoder().records.size(), 2u);
     EXPECT_EQ(chain->encoder().records[0].value[4], 5);
