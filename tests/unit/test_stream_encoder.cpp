@@ -354,6 +354,26 @@ TEST(StreamEncoder, AFlushMayComeAtAnyTime) {
     }
 }
 
+TEST(StreamEncoder, ATimeThatDoesNotRiseBeginsARunWithoutItsFlag) {
+    typename Turning::Params params;
+    params.sample_period_ns = 10'000'000;
+    params.delay_records = 30;
+    auto encoder = std::make_unique<Turning>(params);
+    std::mt19937 random{7};
+    std::int64_t t = 0;
+    std::uint32_t back = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const bool falls = random() % 97 == 0;
+        back += falls ? 1 : 0;
+        t = falls ? t - static_cast<std::int64_t>(random()) * (random() % 2 == 0 ? 1 : 100'000)
+                  : t + 10'000'000;
+        static_cast<void>(
+            encoder->push(t, {turned(0.001f * static_cast<float>(i % 500), 0, 0)}, 1, 0, i == 0));
+    }
+    EXPECT_EQ(encoder->run(), back + 1);
+    EXPECT_EQ(encoder->check_failures(), 0u);
+}
+
 TEST(StreamEncoder, RefusedParametersNameTheirField) {
     Both::Params params;
     params.tolerance = {0.001f, 0.0044f};
