@@ -356,6 +356,7 @@ TEST(StreamEncoder, AFlushMayComeAtAnyTime) {
 
 TEST(StreamEncoder, ATimeThatDoesNotRiseBeginsARunWithoutItsFlag) {
     typename Turning::Params params;
+    params.tolerance = {0.0044f};
     params.sample_period_ns = 10'000'000;
     params.delay_records = 30;
     auto encoder = std::make_unique<Turning>(params);
@@ -370,7 +371,7 @@ TEST(StreamEncoder, ATimeThatDoesNotRiseBeginsARunWithoutItsFlag) {
         static_cast<void>(
             encoder->push(t, {turned(0.001f * static_cast<float>(i % 500), 0, 0)}, 1, 0, i == 0));
     }
-    EXPECT_EQ(encoder->run(), back + 1);
+    EXPECT_EQ(encoder->run(), back);  // the first run has the number 0
     EXPECT_EQ(encoder->check_failures(), 0u);
 }
 
