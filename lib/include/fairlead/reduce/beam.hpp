@@ -18,7 +18,7 @@ namespace fairlead::reduce {
 using code::Cost;
 
 /// Sizes of a search. Width: children a column; Open: open hypotheses. Small: 2, 24; medium: 3, 32;
-/// large: 8, 64. Wider costs work and memory and saves bytes: docs/choose.md.
+/// large: 8, 64. Wider costs work and memory and saves bytes: docs/choosing.md.
 template <std::size_t WidthN, std::size_t OpenN>
 struct Beam {
     static constexpr std::size_t width = WidthN;
@@ -40,8 +40,8 @@ inline constexpr float seam_ticks = 10.0f;
 inline constexpr std::int32_t window_steps_max = 32000;
 /// A column gives a frame at most this, and costs stay below it.
 inline constexpr Cost cost_limit = 60000;
-/// Tolerance lost to the rounding of float bounds, as a part of the numbers involved: derived in
-/// docs/reducer.md, "The margin".
+/// Tolerance lost to the rounding of float bounds, as a part of the numbers involved. Chosen
+/// with room and held by the searches of make pipeline-search; not derived.
 inline constexpr float rounding = 0x1p-19f;
 inline constexpr float far_away = 1e30f;
 
