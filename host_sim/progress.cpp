@@ -4,11 +4,23 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <optional>
 
 namespace fairlead::sim {
 namespace {
 
-constexpr double patience_s = 2, every_s = 0.2;
+constexpr double every_s = 0.2;
+
+/// Seconds before the first line: 2, or what FAIRLEAD_PROGRESS_AFTER says.
+double said_patience_s() {
+    const char* said = std::getenv("FAIRLEAD_PROGRESS_AFTER");
+    if (said == nullptr) return 2;
+    char* end = nullptr;
+    const double seconds = std::strtod(said, &end);
+    return end != said && seconds >= 0 ? seconds : 2;
+}
 
 double steady_now_s() {
     const auto now = std::chrono::steady_clock::now().time_since_epoch();
@@ -41,7 +53,7 @@ void time_text(double seconds, char* out, std::size_t size) {
 }  // namespace
 
 ProgressPlace ProgressPlace::standard() {
-    return {stderr, isatty(STDERR_FILENO) != 0, steady_now_s, program_begun_s};
+    return {stderr, isatty(STDERR_FILENO) != 0, steady_now_s, program_begun_s, said_patience_s()};
 }
 
 Progress::Progress(const char* label, std::size_t total, const char* unit,
@@ -50,7 +62,8 @@ Progress::Progress(const char* label, std::size_t total, const char* unit,
     if (!place_.terminal) return;
     start_s_ = place_.now_s();
     const double begun_s = place_.begun_s < 0 ? start_s_ : place_.begun_s;
-    next_s_ = std::fmax(begun_s + patience_s, start_s_ + every_s);
+    next_s_ =
+        std::fmax(begun_s + place_.patience_s, start_s_ + std::fmin(every_s, place_.patience_s));
 }
 
 Progress::~Progress() {
@@ -60,29 +73,46 @@ Progress::~Progress() {
 }
 
 void Progress::show(std::size_t done) {
+    show(done, total_ > 0 ? static_cast<double>(done) / static_cast<double>(total_) : 0);
+}
+
+void Progress::show(std::size_t done, double share) {
     if (!place_.terminal) return;
     const double now = place_.now_s();
     if (now < next_s_) return;
     next_s_ = now + every_s;
-    print(done, now - start_s_);
+    print(done, share, now - start_s_);
 }
 
-void Progress::print(std::size_t done, double seconds) {
+void Progress::print(std::size_t done, double share, double seconds) {
     char rate[32], left[48];
     const double speed = static_cast<double>(done) / seconds;
     rate_text(speed, rate, sizeof rate);
     std::fprintf(place_.file, "\r\033[K%s: ", label_);
-    if (total_ > 0 && done > 0) {
-        const std::size_t rest = total_ > done ? total_ - done : 0;
-        time_text(static_cast<double>(rest) / speed, left, sizeof left);
-        std::fprintf(place_.file, "%3.0f %%, %s %s/s, %s left",
-                     100 * static_cast<double>(done) / static_cast<double>(total_), rate, unit_,
-                     left);
+    if (share > 0) {
+        time_text(std::fmax(0, seconds / share - seconds), left, sizeof left);
+        std::fprintf(place_.file, "%3.0f %%, %s %s/s, %s left", 100 * share, rate, unit_, left);
     } else {
         std::fprintf(place_.file, "%s %s/s", rate, unit_);
     }
     std::fflush(place_.file);
     shown_ = true;
+}
+
+std::function<void(std::size_t, std::size_t)> progress_steps(const char* label, const char* unit) {
+    struct Line {
+        std::optional<Progress> progress;
+        std::size_t total{};
+    };
+    const auto line = std::make_shared<Line>();
+    return [line, label, unit](std::size_t done, std::size_t total) {
+        if (!line->progress || line->total != total) {  // the first, or that of another file
+            line->total = total;
+            line->progress.reset();
+            line->progress.emplace(label, total, unit);
+        }
+        line->progress->show(done);
+    };
 }
 
 }  // namespace fairlead::sim

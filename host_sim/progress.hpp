@@ -2,8 +2,8 @@
 // A line of progress on stderr for commands that last longer than two seconds: share, rate and time
 // left, rewritten a few times a second. On a terminal only: none in a pipe or a file.
 #include <cstddef>
-#include <cstdint>
 #include <cstdio>
+#include <functional>
 
 namespace fairlead::sim {
 
@@ -11,8 +11,9 @@ namespace fairlead::sim {
 struct ProgressPlace {
     std::FILE* file{stderr};
     bool terminal{};
-    double (*now_s)(){};  // of a clock that never goes back
-    double begun_s{-1};   // the command's start: the two seconds count from there; -1: from here
+    double (*now_s)(){};   // of a clock that never goes back
+    double begun_s{-1};    // the command's start: the patience counts from there; -1: from here
+    double patience_s{2};  // before the first line; 0: at once (FAIRLEAD_PROGRESS_AFTER=0)
 
     static ProgressPlace standard();
 };
@@ -27,9 +28,11 @@ class Progress {
     Progress& operator=(const Progress&) = delete;
 
     void show(std::size_t done);
+    /// share: of the whole work, 0 to 1, where the units do not tell it.
+    void show(std::size_t done, double share);
 
   private:
-    void print(std::size_t done, double seconds);
+    void print(std::size_t done, double share, double seconds);
 
     const char *label_, *unit_;
     std::size_t total_;
@@ -37,5 +40,9 @@ class Progress {
     double start_s_{}, next_s_{};
     bool shown_{false};
 };
+
+/// The same as the callback that readers and writers take; the line goes with the callback.
+std::function<void(std::size_t done, std::size_t total)> progress_steps(
+    const char* label, const char* unit = "records");
 
 }  // namespace fairlead::sim

@@ -185,7 +185,9 @@ Store judge(Replay& result) {
         store.finish();
     }
     std::vector<CurvePoint> curves;
+    Progress progress{"evaluating the curve", input.size()};
     for (std::size_t i = 0; i < input.size(); ++i) {
+        progress.show(i);
         curves.push_back(input.curve(store, i));
         result.decoded.push_back(curves[i].rounded(result.input[i].t_ns));
     }

@@ -16,6 +16,7 @@
 
 #include "examples/gateway/reader.hpp"
 #include "fairlead/math/quat.hpp"
+#include "host_sim/progress.hpp"
 #include "host_sim/recording/recording.hpp"
 #include "port/linux/clock.hpp"
 
@@ -200,6 +201,7 @@ int run(const Options& options, const std::vector<Pose>& like) {
     Trajectory trajectory{options, like};
     int runs = 1;
     if (!trajectory.open(runs)) return EX_CANTCREAT;
+    sim::Progress progress{"poll", 0, "spans"};
     const std::int64_t began_ns = port::now_ns();
     const auto every_ns = static_cast<std::int64_t>(options.every_s * 1e9);
     std::int64_t next_ns = began_ns;
@@ -217,10 +219,12 @@ int run(const Options& options, const std::vector<Pose>& like) {
         silent = result == PollResult::no_answer ? silent + 1 : 0;
         if (silent == 1) std::fprintf(stderr, "no answer: %s\n", modbus_strerror(errno));
         if (silent == patience) return EX_UNAVAILABLE;
-        const bool ended = options.seconds > 0 &&
-                           static_cast<double>(port::now_ns() - began_ns) > options.seconds * 1e9;
+        const double seconds_passed = static_cast<double>(port::now_ns() - began_ns) * 1e-9;
+        const bool ended = options.seconds > 0 && seconds_passed > options.seconds;
         over = interrupted != 0 || ended ||
                (result == PollResult::ok && (reader.status() & status_bit::finished) != 0);
+        progress.show(reader.counters().spans,
+                      options.seconds > 0 ? seconds_passed / options.seconds : 0);
         trajectory.write(reader, over || result == PollResult::new_run);
         if (result == PollResult::new_run) {
             std::fprintf(stderr, "epoch %08" PRIx32 " ended: a new run begins\n", reader.epoch());
@@ -278,7 +282,9 @@ int main(int argc, char** argv) {
     std::vector<Pose> like;
     if (!options.like.empty()) {
         try {
-            like = sim::poses_of(sim::read_recording(options.like));
+            sim::ReadOptions how;
+            how.progress = sim::progress_steps("read", "bytes");
+            like = sim::poses_of(sim::read_recording(options.like, how));
         } catch (const sim::BadData& error) {
             std::fprintf(stderr, "fairlead-poll: %s\n", error.what());
             return EX_NOINPUT;

@@ -7,6 +7,7 @@
 #include "examples/gateway/follower.hpp"
 #include "examples/gateway/live.hpp"
 #include "examples/gateway/source.hpp"
+#include "host_sim/progress.hpp"
 #include "host_sim/recording/recording.hpp"
 #include "port/linux/clock.hpp"
 
@@ -20,10 +21,17 @@ bool has_magnetometer(const std::vector<Sample>& samples) {
                        [](const Sample& s) { return (s.flags & flag::mag_valid) != 0; });
 }
 
+/// A long file is read with a line of progress, where a terminal is.
+sim::ReadOptions shown() {
+    sim::ReadOptions how;
+    how.progress = sim::progress_steps("read", "bytes");
+    return how;
+}
+
 class Replay : public Source {
   public:
     explicit Replay(const UnitConfig& unit)
-        : unit_{unit}, recording_{sim::read_recording(unit.file)} {
+        : unit_{unit}, recording_{sim::read_recording(unit.file, shown())} {
         if (recording_.size() == 0) throw sim::BadData{unit.file + ": holds no records"};
     }
     ~Replay() override { stop(); }

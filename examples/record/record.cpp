@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
@@ -77,8 +78,10 @@ void live(const Options& o, const Totals& t, double seconds, double rate_hz,
     const SamplerCounts &a = t.before, &b = t.now;
     std::fprintf(stderr, on_terminal ? "\r%8.1f" : "%8.1f", seconds);
     if (o.seconds > 0) std::fprintf(stderr, " of %.1f", o.seconds);
+    std::fprintf(stderr, " s");
+    if (seconds < o.seconds) std::fprintf(stderr, ", %.0f s left", std::ceil(o.seconds - seconds));
     std::fprintf(stderr,
-                 " s  %9llu samples  %7.1f Hz  lost %llu  missed edges %llu  bus errors %llu  "
+                 "  %9llu samples  %7.1f Hz  lost %llu  missed edges %llu  bus errors %llu  "
                  "overruns %llu  resets %llu  edges dropped %llu ",
                  sum(a.samples, b.samples), rate_hz, sum(a.lost, b.lost),
                  sum(a.missed_edges, b.missed_edges), sum(a.transfer_errors, b.transfer_errors),

@@ -24,12 +24,8 @@ void run(const Options& o) {
     const Recording recording = o.input.read();
     const bool imu = ends_with(o.out, ".imu") && !recording.samples.empty();
     if (o.imu_version != 0 && !imu) throw BadSpec("--imu-version is for an IMU's .imu");
-    {
-        Progress line{"write", recording.size()};
-        write_bytes(o.out, imu ? to_imu(recording, o.imu_version)
-                               : to_file(recording, o.out,
-                                         [&](std::size_t done, std::size_t) { line.show(done); }));
-    }
+    write_bytes(o.out, imu ? to_imu(recording, o.imu_version)
+                           : to_file(recording, o.out, progress_steps("write")));
     std::string lost = left_out(recording, o.out);
     if (!o.events_out.empty()) {
         write_bytes(o.events_out, to_events_csv(recording.events));

@@ -100,11 +100,15 @@ template <class Store>
 void write_curve(const Store& store, const Options& options) {
     ReadOptions reading = options.reading;
     reading.salvage = options.salvage ? Salvage::yes : Salvage::no;
+    reading.progress = progress_steps("read", "bytes");
     const Recording times = read_recording(options.at, reading);
+    reading.progress = {};
     const auto& run = chosen_run(store, times, options);
     std::string csv = "t_ns,px,py,pz,qw,qx,qy,qz\n";
     std::size_t covered = 0;
+    Progress progress{"evaluate", times.size(), "times"};
     for (std::size_t i = 0; i < times.size(); ++i) {
+        progress.show(i);
         const CurvePoint point = point_of(run, times.t_ns(i));
         csv += point_row(times.t_ns(i), point);
         if (point.flags != 0) ++covered;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
+#include "host_sim/progress.hpp"
 #include "host_sim/recording/writers.hpp"
 
 namespace fairlead::sim {
@@ -17,16 +18,22 @@ struct Options {
     std::uint64_t seed{1};
 };
 
+ReadOptions with_progress() {
+    ReadOptions how;
+    how.progress = progress_steps("read", "bytes");
+    return how;
+}
+
 void run(const Options& options) {
     const auto items = parse_spec(options.spec);
     std::string bytes;
     if (std::all_of(items.begin(), items.end(), is_byte_fault)) {
         bytes = read_bytes(options.in);
     } else {
-        Recording recording = read_recording(options.in);
+        Recording recording = read_recording(options.in, with_progress());
         for (std::size_t i = 0; i < items.size(); ++i)
             if (!is_byte_fault(items[i])) spoil_records(recording, items[i], options.seed + i);
-        bytes = to_file(recording, options.out);
+        bytes = to_file(recording, options.out, progress_steps("write"));
         if (const std::string lost = left_out(recording, options.out); !lost.empty())
             std::fprintf(stderr, "fairlead-sim: %s: left out: %s\n", options.out.c_str(),
                          lost.c_str());

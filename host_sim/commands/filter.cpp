@@ -43,7 +43,7 @@ void run(const Options& options) {
         if (const auto out = chain->push(*pose)) filtered.push_back(*out);
     }
     while (const auto out = chain->flush()) filtered.push_back(*out);
-    write_bytes(options.out, to_poses_csv(filtered));
+    write_bytes(options.out, to_poses_csv(filtered, progress_steps("write")));
     for (std::size_t i = 0; i < fault_kinds; ++i) {
         const auto kind = static_cast<Fault>(i);
         if (const auto n = intake.faults()[kind])

@@ -1,6 +1,7 @@
 // fairlead-sim info FILE: what a recording, or a stream, holds.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <iterator>
 #include <memory>
 #include <set>
 
@@ -57,7 +58,9 @@ void print_sensors(const Recording& recording) {
                                   {"accelerometer", flag::accel_valid, &Sample::accel_m_s2, "m/s2"},
                                   {"magnetometer", flag::mag_valid, &Sample::mag_uT, "uT"}};
     std::printf("holds            IMU samples\n");
+    Progress progress{"sizes", std::size(sensors), "sensors"};
     for (const Sensor& sensor : sensors) {
+        progress.show(static_cast<std::size_t>(&sensor - sensors));
         Numbers x, y, z;
         for (const Sample& s : recording.samples) {
             if ((s.flags & sensor.valid) == 0) continue;
@@ -163,7 +166,7 @@ void run(const InputOptions& input) {
         for (const auto m : recording.moving) moving += m;
         std::printf("movement phase   %zu records\n", moving);
     }
-    for (const std::string& doubt : doubts(recording))
+    for (const std::string& doubt : doubts(recording, progress_steps("check", "checks")))
         std::printf("doubtful         %s\n", doubt.c_str());
 }
 

@@ -84,20 +84,17 @@ struct InputOptions {
     enum class Doubts { to_stderr, elsewhere };
     Recording read(Doubts place = Doubts::to_stderr) const {
         ReadOptions how = read_options();
-        std::optional<Progress> line;
-        how.progress = [&](std::size_t done, std::size_t total) {
-            if (!line) line.emplace("read", total, "bytes");
-            line->show(done);
-        };
+        how.progress = progress_steps("read", "bytes");
         Recording recording = read_recording(path, how);
-        line.reset();
+        how.progress = {};
         if (!recording.damage.empty())
             std::fprintf(stderr, "fairlead-sim: %s; %zu records before it are used\n",
                          recording.damage.c_str(), recording.size());
         for (const std::string& note : recording.notes)
             std::fprintf(stderr, "fairlead-sim: %s: note: %s\n", path.c_str(), note.c_str());
-        const auto odd =
-            place == Doubts::to_stderr ? doubts(recording) : std::vector<std::string>{};
+        const auto odd = place == Doubts::to_stderr
+                             ? doubts(recording, progress_steps("check", "checks"))
+                             : std::vector<std::string>{};
         for (const std::string& doubt : odd)
             std::fprintf(stderr, "fairlead-sim: %s: doubtful: %s\n", path.c_str(), doubt.c_str());
         if (!events.empty()) recording.events = read_events(events);

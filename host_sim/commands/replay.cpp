@@ -25,7 +25,7 @@ void write_results(const Replay& result, const std::string& folder) {
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     if (failed) throw BadData(folder + ": cannot be made: " + failed.message());
-    write_bytes(folder + "/filtered.tum", to_tum(result.input));
+    write_bytes(folder + "/filtered.tum", to_tum(result.input, progress_steps("write")));
     write_bytes(folder + "/stream.flr", result.stream);
     if (result.events.offered > 0)
         write_bytes(folder + "/events.csv", to_events_csv(result.events.decoded));

@@ -145,7 +145,8 @@ void doubt_mag(const Recording& r, Doubts& out) {
                  length, unit->name.c_str(), unit->name.c_str()));
 }
 
-void doubt_quaternions(const std::vector<Pose>& poses, Doubts& out) {
+void doubt_quaternions(const Recording& r, Doubts& out) {
+    const std::vector<Pose>& poses = r.samples.empty() ? r.poses : r.truth;
     Numbers w, x, y, z;
     for (const Pose& p : poses) {
         if ((p.flags & flag::orientation_valid) == 0) continue;
@@ -167,14 +168,14 @@ void doubt_quaternions(const std::vector<Pose>& poses, Doubts& out) {
 
 }  // namespace
 
-std::vector<std::string> doubts(const Recording& recording) {
+std::vector<std::string> doubts(const Recording& recording, const Steps& progress) {
+    constexpr std::array checks{doubt_rate,    doubt_accel, doubt_gyro,
+                                doubt_turning, doubt_mag,   doubt_quaternions};
     Doubts out;
-    doubt_rate(recording, out);
-    doubt_accel(recording, out);
-    doubt_gyro(recording, out);
-    doubt_turning(recording, out);
-    doubt_mag(recording, out);
-    doubt_quaternions(recording.samples.empty() ? recording.poses : recording.truth, out);
+    for (std::size_t i = 0; i < checks.size(); ++i) {
+        if (progress) progress(i, checks.size());
+        checks[i](recording, out);
+    }
     return out;
 }
 

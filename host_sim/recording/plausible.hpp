@@ -9,6 +9,6 @@
 namespace fairlead::sim {
 
 /// One sentence each; empty: nothing is odd.
-std::vector<std::string> doubts(const Recording& recording);
+std::vector<std::string> doubts(const Recording& recording, const Steps& progress = {});
 
 }  // namespace fairlead::sim

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 
 #include "host_sim/recording/binary.hpp"
 #include "host_sim/recording/encoding.hpp"
@@ -70,7 +69,9 @@ Recording read_recording(const std::string& path, const ReadOptions& options) {
 std::string read_bytes(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw BadData(path + ": cannot be opened");
-    std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    std::string bytes, part(std::size_t{1} << 20, '\0');  // in parts: the file may be a pipe
+    while (file.read(part.data(), static_cast<std::streamsize>(part.size())) || file.gcount() > 0)
+        bytes.append(part, 0, static_cast<std::size_t>(file.gcount()));
     if (file.bad()) throw BadData(path + ": cannot be read");
     return bytes;
 }

@@ -66,12 +66,13 @@ std::string to_poses_csv(const std::vector<Pose>& poses, const Steps& progress) 
     return out;
 }
 
-std::string to_tum(const std::vector<Pose>& poses) {
+std::string to_tum(const std::vector<Pose>& poses, const Steps& progress) {
     std::uint32_t present = 0;
     for (const Pose& pose : poses)
         present |= pose.flags & (flag::position_valid | flag::orientation_valid);
     std::string out = "# t tx ty tz qx qy qz qw\n";
     for (const Pose& pose : poses) {
+        if (progress) progress(static_cast<std::size_t>(&pose - poses.data()), poses.size());
         if ((pose.flags & present) != present || present == 0) continue;
         const Vec3 p = valid(pose, flag::position_valid) ? pose.p_w_m : Vec3{};
         const Quat q = valid(pose, flag::orientation_valid) ? pose.q_wb : Quat{};
@@ -233,7 +234,7 @@ std::string to_file(const Recording& recording, const std::string& path, const S
     const bool imu = !recording.samples.empty();
     if (extension == ".imu" && imu) return to_imu(recording);
     if (extension == ".trk" && !imu) return to_trk(recording);
-    if (extension == ".tum" && !imu) return to_tum(recording.poses);
+    if (extension == ".tum" && !imu) return to_tum(recording.poses, progress);
     if (extension == ".csv")
         return imu ? to_imu_csv(recording, progress) : to_poses_csv(recording.poses, progress);
     throw BadSpec(path + ": " + (imu ? "IMU samples are" : "poses are") + " written as " +

@@ -14,7 +14,7 @@ std::string to_poses_csv(const std::vector<Pose>& poses, const Steps& progress =
 
 /// t tx ty tz qx qy qz qw. Lines for the poses in which every channel that occurs in `poses` at all
 /// is valid; a channel that never occurs is written as zero position or identity.
-std::string to_tum(const std::vector<Pose>& poses);
+std::string to_tum(const std::vector<Pose>& poses, const Steps& progress = {});
 
 /// Text of an IMU, in parts for recorders that write as they go: the header names the sensors of
 /// `fields` (imu_field in imu2.hpp) and their units; a sensor that has no measurement in a record

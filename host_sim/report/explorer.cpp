@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host_sim/progress.hpp"
 #include "host_sim/report/assets.hpp"
 #include "host_sim/report/chart.hpp"
 #include "host_sim/report/packed.hpp"
@@ -183,10 +184,13 @@ std::string explorer_data(const Replay& replay, const std::vector<Figure>& figur
     const TimeAxis axis{replay.input};
     const bool position = replay.position.samples > 0;
     Packed packed;
+    Progress progress{"report", figures.size(), "charts"};
     std::string json = "{\"name\":" + quoted(replay.name) + ",\"end\":" + number(axis.end_s) +
                        ",\"start_ns\":\"" + std::to_string(axis.start_ns) + "\"";
-    json += ",\"charts\":" +
-            joined(figures, "[]", [&](const Figure& f) { return figure_json(f, packed); });
+    json += ",\"charts\":" + joined(figures, "[]", [&](const Figure& f) {
+                progress.show(static_cast<std::size_t>(&f - figures.data()));
+                return figure_json(f, packed);
+            });
     const std::array<std::string, 3> marks{
         marks_json("knots of the position", "#7c6fd0", knot_times(replay.position, axis), packed),
         marks_json("knots of the orientation", "#b45fb0", knot_times(replay.orientation, axis),
@@ -197,8 +201,8 @@ std::string explorer_data(const Replay& replay, const std::vector<Figure>& figur
     json += ",\"before\":" + motion_json(replay.raw, axis, position, packed);
     json += ",\"after\":" + motion_json(replay.decoded, axis, position, packed);
     return "<script id=\"data\" type=\"application/json\">" + json +
-           "}</script>\n<script id=\"numbers\" type=\"text/plain\">" + packed.text() +
-           "</script>\n";
+           "}</script>\n<script id=\"numbers\" type=\"text/plain\">" +
+           packed.text(progress_steps("report", "bytes")) + "</script>\n";
 }
 
 std::string explorer_scripts() {

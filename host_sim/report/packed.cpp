@@ -29,14 +29,24 @@ std::string base64(const std::string& bytes) {
     return out;
 }
 
-std::string deflated(const std::string& bytes) {
-    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-    std::string out(size, '\0');
-    if (compress2(reinterpret_cast<Bytef*>(out.data()), &size,
-                  reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
-                  9) != Z_OK)
-        throw std::runtime_error("zlib cannot compress the report's data");
-    out.resize(size);
+/// In parts, so that the work can be told: it takes longer than all the rest of a report.
+std::string deflated(std::string bytes, const Steps& progress) {
+    constexpr std::size_t part = std::size_t{1} << 16;
+    z_stream z{};
+    bool good = deflateInit(&z, Z_BEST_COMPRESSION) == Z_OK;
+    std::string out(deflateBound(&z, static_cast<uLong>(bytes.size())), '\0');
+    z.next_out = reinterpret_cast<Bytef*>(out.data());
+    z.avail_out = static_cast<uInt>(out.size());
+    for (std::size_t done = 0; good && done < bytes.size(); done += part) {
+        if (progress) progress(done, bytes.size());
+        z.next_in = reinterpret_cast<Bytef*>(bytes.data() + done);
+        z.avail_in = static_cast<uInt>(std::min(part, bytes.size() - done));
+        good = deflate(&z, Z_NO_FLUSH) == Z_OK;
+    }
+    good = good && deflate(&z, Z_FINISH) == Z_STREAM_END;
+    out.resize(z.total_out);
+    deflateEnd(&z);
+    if (!good) throw std::runtime_error("zlib cannot compress the report's data");
     return out;
 }
 
@@ -92,6 +102,6 @@ std::string Packed::add_times(const std::vector<double>& seconds) {
     return found->second;
 }
 
-std::string Packed::text() const { return base64(deflated(bytes_)); }
+std::string Packed::text(const Steps& progress) const { return base64(deflated(bytes_, progress)); }
 
 }  // namespace fairlead::sim

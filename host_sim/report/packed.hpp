@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/recording/recording.hpp"
+
 namespace fairlead::sim {
 
 /// Collects arrays; each add returns what a page needs to find and read the array, as JSON.
@@ -18,7 +20,7 @@ class Packed {
     std::string add_times(const std::vector<double>& seconds);
 
     /// All arrays, deflated, in base64.
-    std::string text() const;
+    std::string text(const Steps& progress = {}) const;
 
   private:
     void put_planes(const std::vector<std::uint32_t>& words, int bytes);
