@@ -21,25 +21,22 @@ RECORDINGS ?= ../shared/recordings
 # ---- flags
 CXX    := $(if $(filter default,$(origin CXX)),g++,$(CXX))
 OPT    ?= -O2
-STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Werror
-ifneq (,$(findstring clang,$(CXX)))
-STRICT += -Wno-double-promotion  # clang 14 counts double{x} as implicit; g++ checks promotions for both
-endif
-# the same bits everywhere: no fused multiply-add, no errno side of sqrt, baseline instruction set
-BITS   := -ffp-contract=off -fno-math-errno
-BASE   := -std=c++17 -pthread $(BITS) $(STRICT) -Ilib/include -I.
+include .ci/flags.mk
+# clang 14 counts double{x} as implicit; g++ checks promotions for both
+BASE   := $(CHECKED) -pthread $(if $(findstring clang,$(CXX)),-Wno-double-promotion)
 # double-precision references and baselines use Eigen; the library never does
 HOST   := $(BASE) $(OPT) $(EXTRA) -isystem /usr/include/eigen3
-DEVICE := $(BASE) $(OPT) -fno-exceptions -fno-rtti
-CORTEX_M4 := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
+DEVICE := $(BASE) $(OPT) $(BARE_CPP)
 
 # ---- setup: before anything is built, and once for all goals of this call (SETUP=no skips it)
 include .ci/progress.mk
 GOALS := $(or $(MAKECMDGOALS),$(.DEFAULT_GOAL))
 # help needs nothing but make and a shell
 WORK  := $(filter-out help,$(GOALS))
+# c-library needs a cross compiler where the call names a core
+CORE_TASKS := $(if $(filter c-library,$(GOALS)),$(if $(filter m%,$(CORE)),task:cortex-m) $(if $(filter rv%,$(CORE)),task:risc-v))
 ifeq (,$(COUNTING)$(DRY_RUN)$(filter no,$(SETUP)))
-ifneq (,$(if $(WORK),$(shell .ci/setup $(GOALS) || echo failed)))
+ifneq (,$(if $(WORK),$(shell .ci/setup $(GOALS) $(CORE_TASKS) || echo failed)))
 $(error the setup of '$(GOALS)' did not succeed; the lines above say why)
 endif
 endif
@@ -149,7 +146,7 @@ $(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
 	@$(BUILD)/fairlead-sim generate '$(DEMO_MOTION)' --seed 1 --out $@
 
 TEST_PROGRAMS := $(addprefix $(BUILD)/tests/,unit port gpio1 gpio2 gateway peers)
-TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/setup/test_*.py tests/must_fail/test_*.py)
+TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/setup/test_*.py tests/must_fail/test_*.py tests/c/test_*.py)
 TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/attitude examples/filter examples/reduce examples/decode)
 test: $(TESTED) ## [build demo script gateway test] build and run all tests that need no other machine
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
@@ -305,12 +302,31 @@ TABLE_NOTE       ?= the 13 recordings of tracker120 (BROAD): delays 60 to 240 re
 tables: $(BUILD)/libsim.a $(BUILD)/librecording.a ## [build script] train the tables of symbol costs on TABLE_RECORDINGS (minutes)
 	@tests/tables/train $(BUILD) lib/include/fairlead/code/tables.hpp '$(TABLE_NOTE)' 3 $(TABLE_RECORDINGS)
 
+##@ The C interface (docs/c.md)
+# for the host, or for the core that the call names
+C_CORE    := $(if $(filter command line environment,$(origin CORE)),$(CORE))
+C_LIBRARY := $(BUILD)/c-library
+include lib/c/library.mk
+$(eval $(call c_library,$(C_LIBRARY)/host,$(or $(CONFIG),examples/firmware/config.hpp),host,$(CXX),nm,ar,$(DEVICE) -fno-threadsafe-statics))
+.PHONY: c-library c-firmware-run
+$(if $(and $(filter c-library,$(GOALS)),$(CONFIG)),$(if $(wildcard $(CONFIG)),,$(error there is no file '$(CONFIG)')))
+ifeq (,$(C_CORE))
+c-library: $(C_LIBRARY)/host/fairlead.h $(C_LIBRARY)/host/libfairlead.a
+	@lib/c/header.py --say $(C_LIBRARY)/host
+else
+c-library:
+	+@$(TARGET) c-library CORES=$(C_CORE) C_LIBRARY=$(C_LIBRARY)
+endif
+c-library: ## [compile script] fairlead.h and libfairlead.a for C: CONFIG=header, CORE=m4f for a core, OPT=-Os
+c-firmware-run: ## [compile cortex-m cortex-m-emulator script] run the firmware in C under QEMU: its frames equal those of the one in C++
+	+@$(TARGET) c-firmware-run
+
 ##@ Cortex-M and RISC-V under an emulator (docs/target.md, docs/bounds.md)
 TARGET = $(MAKE) -f tests/target/target.mk BUILD=$(BUILD)/target
 CORE  ?= m4f
 .PHONY: target-test target-soak bounds size firmware-run must-fail port-device
 target-test: ## [compile script reference clang cortex-m cortex-m-emulator risc-v stack-bound] the same bits on every core, exact counts, BOUNDS.md, heap and stack checks, a firmware run
-	+@$(TARGET) calibrate same-bits bounds trap firmware-run recordings
+	+@$(TARGET) calibrate same-bits bounds trap c-firmware-run recordings
 target-soak: ## [compile script clang cortex-m cortex-m-emulator risc-v stack-bound] all recordings on all cores, and a longer search for dear streams
 	+@$(TARGET) same-bits search recordings SOAK=1
 bounds: ## [compile script reference cortex-m cortex-m-emulator stack-bound] check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=header CORE=m4f RECORDING=file BUDGET=n
@@ -325,7 +341,7 @@ port-device: $(BUILD)/device/drivers.o ## [cortex-m] the sensor drivers for a Co
 	@! arm-none-eabi-nm -uC $< | grep -E 'malloc|calloc|realloc|free|operator|__cxa|unwind'
 	@echo "ok port-device: no heap, no exceptions" && arm-none-eabi-size $<
 $(BUILD)/device/drivers.o: tests/port/device/drivers.cpp $(wildcard port/sensors/*.hpp) $(LIB_HEADERS)
-	$(call step,$<) arm-none-eabi-g++ $(CORTEX_M4) $(filter-out -pthread,$(DEVICE)) -fno-threadsafe-statics -c $< -o $@
+	$(call step,$<) arm-none-eabi-g++ $(wordlist 7,99,$(shell grep "^m4f " port/cortex_m/cores)) $(filter-out -pthread,$(DEVICE)) $(BARE_MACHINE) -c $< -o $@
 
 ##@ Compilers and packages (docs/portability.md, docs/packages.md, docs/versions.md)
 .PHONY: compilers install uninstall dist test-packages release-check

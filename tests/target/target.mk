@@ -6,9 +6,9 @@ SUBJECTS ?= $(shell awk '!/^\#/ && NF {print $$1}' tests/target/stages)
 CORES    ?= $(shell sed 's/\#.*//' port/cortex_m/cores | awk 'NF && $$1 != "microbit" {print $$1}')
 STREAMS  := $(wildcard tests/target/streams/*/* tests/target/streams/*)
 
-STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Werror
-COMMON := -std=c++17 -ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti $(STRICT) -Ilib/include -I. $(EXTRA)
-DEVICE := -O2 -fno-threadsafe-statics -fno-use-cxa-atexit -ffunction-sections -fdata-sections
+include .ci/flags.mk
+COMMON := $(CHECKED) $(BARE_CPP) $(EXTRA)
+DEVICE := -O2 $(BARE_MACHINE)
 PICOLIBC := /usr/lib/picolibc/riscv64-unknown-elf
 # libstdc++ for RISC-V is not in Debian: its headers alone are, with the Arm compiler
 RISCV  := -isystem $(PICOLIBC)/include -nostdinc++ $(addprefix -isystem ,$(firstword $(wildcard /usr/include/newlib/c++/*)) $(firstword $(wildcard /usr/include/newlib/c++/*/arm-none-eabi)))
@@ -61,14 +61,15 @@ $(foreach core,$(CORES),$(eval $(call row,$(shell grep -E '^$(core) ' port/corte
 FIRMWARE := $(BUILD)/firmware
 FIRMWARE_FLAGS = $(wordlist 7,99,$(shell grep '^m4f ' port/cortex_m/cores)) $(COMMON) $(DEVICE) -Os -DNDEBUG
 FIRMWARE_HEADERS := $(wildcard examples/firmware/*.hpp port/cortex_m/*.hpp) $(shell find lib -name '*.hpp')
+LINK_FIRMWARE = -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
+	-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=256K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=64K
 # optimised as a whole, but for the start-up, which calls main() like anything else
 $(FIRMWARE)/%.o: examples/firmware/%.cpp $(FIRMWARE_HEADERS)
 	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto -c $< -o $@
 $(FIRMWARE)/%.o: port/cortex_m/%.cpp $(FIRMWARE_HEADERS)
 	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -c $< -o $@
 $(FIRMWARE)/firmware.elf: $(addprefix $(FIRMWARE)/,main.o board_mps2.o startup.o) port/cortex_m/memory.ld
-	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto=auto -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld,-Map=$@.map \
-		-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=256K,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=64K $(filter %.o,$^) -o $@
+	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto=auto $(LINK_FIRMWARE) $(filter %.o,$^) -o $@
 $(FIRMWARE)/check_frames: $(wildcard examples/firmware/*) $(shell find lib -name '*.hpp')
 	$(call step,$@) g++ $(COMMON) -O2 examples/firmware/check_frames.cpp -o $@
 
@@ -84,13 +85,40 @@ $(SMALL)/%.o: tests/target/%.cpp
 $(SMALL)/%.elf: $(SMALL)/%.subject.o $(SMALL)/bare.o $(FIRMWARE)/startup.o port/cortex_m/memory.ld
 	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) $(SMALL_LINK) $(filter %.o,$^) -o $@
 BUDGETED := $(SMALL_STAGES:%=$(SMALL)/%.elf) $(SMALL)/parts.o $(FIRMWARE)/firmware.elf
-.PHONY: firmware firmware-run
+.PHONY: firmware firmware-run c-firmware-run c-library
 firmware: $(FIRMWARE)/firmware.elf
 	@tests/target/size.py --readme examples/firmware/README.md $(if $(ACCEPT),--accept) $<
+RUN_FIRMWARE = timeout 120 qemu-system-arm -M mps2-an386 -icount shift=3,sleep=off -nographic -monitor none \
+	-semihosting-config enable=on,target=native
 firmware-run: $(FIRMWARE)/firmware.elf $(FIRMWARE)/check_frames
-	@timeout 120 qemu-system-arm -M mps2-an386 -icount shift=3,sleep=off -nographic -monitor none -serial file:$(FIRMWARE)/frames.bin \
-		-semihosting-config enable=on,target=native -kernel $<
+	@$(RUN_FIRMWARE) -serial file:$(FIRMWARE)/frames.bin -kernel $<
 	@$(FIRMWARE)/check_frames $(FIRMWARE)/frames.bin
+
+# ---- the C interface for a core, and the firmware in C
+include lib/c/library.mk
+C_LIBRARY ?= $(BUILD)/c-library
+compiler = $(word 2,$(shell grep -E '^$(1) ' port/cortex_m/cores))
+$(foreach core,$(filter-out gcc-% clang-%,$(CORES)),$(eval $(call c_library,$(C_LIBRARY)/$(core),$(or $(CONFIG),examples/firmware/config.hpp),$(core),\
+  $(call compiler,$(core)),$(patsubst %g++,%nm,$(call compiler,$(core))),$(patsubst %g++,%ar,$(call compiler,$(core))),\
+  $(wordlist 7,99,$(shell grep -E '^$(core) ' port/cortex_m/cores)) $(FLAGS_$(core)) $(or $(OPT),-Os) -DNDEBUG)))
+c-library: $(foreach core,$(CORES),$(C_LIBRARY)/$(core)/fairlead.h $(C_LIBRARY)/$(core)/libfairlead.a)
+	@lib/c/header.py --say $(foreach core,$(CORES),$(C_LIBRARY)/$(core))
+C_FIRMWARE := $(FIRMWARE)/c
+C_COMPILED = -I$(C_FIRMWARE) -I. -Os -ffunction-sections -fdata-sections $(wordlist 7,99,$(shell grep '^m4f ' port/cortex_m/cores))
+$(eval $(call c_library,$(C_FIRMWARE),examples/firmware/config.hpp,m4f,arm-none-eabi-g++,arm-none-eabi-nm,arm-none-eabi-ar,$(FIRMWARE_FLAGS)))
+$(C_FIRMWARE)/firmware.o: examples/c/firmware.c examples/c/board.h $(C_FIRMWARE)/fairlead.h
+	$(call step,$@) arm-none-eabi-gcc $(STRICT_C) $(C_COMPILED) -c $< -o $@
+$(C_FIRMWARE)/board.o: examples/c/board_mps2.cpp examples/c/board.h $(C_FIRMWARE)/fairlead.h $(FIRMWARE_HEADERS)
+	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -I$(C_FIRMWARE) -c $< -o $@
+$(C_FIRMWARE)/firmware.elf: $(C_FIRMWARE)/firmware.o $(C_FIRMWARE)/board.o $(addprefix $(FIRMWARE)/,board_mps2.o startup.o) \
+		$(C_FIRMWARE)/libfairlead.a port/cortex_m/memory.ld
+	$(call step,$@) arm-none-eabi-gcc $(filter-out -std=% -W% -I%,$(FIRMWARE_FLAGS)) -flto=auto $(LINK_FIRMWARE) $(filter %.o %.a,$^) -o $@
+# the same board, the same motion: the frames are equal byte for byte
+c-firmware-run: $(C_FIRMWARE)/firmware.elf firmware-run
+	@$(RUN_FIRMWARE) -serial file:$(C_FIRMWARE)/frames.bin -kernel $<
+	@cmp $(FIRMWARE)/frames.bin $(C_FIRMWARE)/frames.bin
+	@echo "ok the frames of the firmware in C equal those of the one in C++: $$(wc -c <$(C_FIRMWARE)/frames.bin) bytes"
+	@arm-none-eabi-size $<
 
 $(BUILD)/count.so: tests/target/count.c
 	$(call step,$@) $(CC) -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC $< -o $@
@@ -126,8 +154,7 @@ SEARCHES := $(SUBJECTS:%=search-%)
 search: $(SEARCHES)
 $(SEARCHES): search-%: $(BUILD)/m4f/%.result $(BUILD)/count.so
 	@tests/target/search.py --build $(BUILD) --core m4f $(if $(KEEP),--keep) $(if $(SEED),--seed $(SEED)) $(if $(TRIES),--budget $(TRIES)) $*
-.PHONY: user always recordings search
-always:
+.PHONY: user recordings search
 trap: $(BUILD)/m4f/planted.elf $(BUILD)/count.so
 	@tests/target/search.py --build $(BUILD) --core m4f planted --must-reach 6000 $(if $(SEED),--seed $(SEED)) $(if $(TRIES),--budget $(TRIES))
 same-bits: measure
