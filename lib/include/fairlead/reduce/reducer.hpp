@@ -132,7 +132,8 @@ class Reducer {
         const std::uint32_t due = take_due(column, valid);
         const bool offers = due != 0 && !committed;
         const bool nearly = ahead + full_soon > window_.cost_max;
-        const bool end = offers && (waiting_ >= window_.records || stalled() || nearly);
+        const bool long_enough = waiting_ >= window_.records || column >= usual_ticks();
+        const bool end = offers && (long_enough || stalled() || nearly);
         bool starts = false;
         each([&](auto& channel, auto index) {
             constexpr std::size_t i = decltype(index)::value;
@@ -196,9 +197,11 @@ class Reducer {
         }
         return due;
     }
+    /// Ticks of a frame whose records are a tick apart, on the ticks or between them.
+    std::int32_t usual_ticks() const noexcept { return window_.records - 1; }
     /// Ticks from `tick` to where the frame is likely to end.
     std::int32_t guess(std::int32_t tick) const noexcept {
-        const std::int32_t left = window_.records - tick;
+        const std::int32_t left = usual_ticks() - tick;
         return left < 1 ? 1 : left < frame_ticks_max ? left : frame_ticks_max;
     }
     Cost cost() const noexcept {

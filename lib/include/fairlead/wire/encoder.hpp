@@ -244,7 +244,7 @@ class Encoder {
         s.timing.sub_ns = grid_.sub_ns;
         s.timing.time_bits = time_bits();
         s.timing.independent = params_.restart_interval_ns == every_frame_ns;
-        s.timing.usual_ticks = static_cast<std::uint8_t>(params_.delay_records - spare_);
+        s.timing.usual_ticks = static_cast<std::uint8_t>(window_records(params_.delay_records) - 1);
         s.channels = channel_count;
         describe(s, std::index_sequence_for<Channels...>{});
         header_.starts = true;
@@ -272,10 +272,12 @@ class Encoder {
         (one(std::integral_constant<std::size_t, Index>{}, Channels::rotations > 0, Channels::axes),
          ...);
     }
-    /// Bits of a time that, with the tries of a reader, tell it within two header intervals.
+    /// Bits of a time that, with the tries of a reader, tell it within two header intervals; within
+    /// lost_ns_max where there is one header only.
     std::uint8_t time_bits() const noexcept {
-        if (params_.header_interval_ns == never_ns) return 32;
-        const std::int64_t ticks = 2 * (params_.header_interval_ns / grid_.tick_ns() + 1);
+        const std::int64_t interval = params_.header_interval_ns;
+        const std::int64_t reach_ns = interval == never_ns ? lost_ns_max / 2 : interval;
+        const std::int64_t ticks = 2 * (reach_ns / grid_.tick_ns() + 1);
         std::uint8_t bits = 8;
         while (bits < 32 && (std::int64_t{unwraps} << bits) < ticks) ++bits;
         return bits;

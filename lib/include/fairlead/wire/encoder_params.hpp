@@ -12,6 +12,8 @@ namespace fairlead::wire {
 
 /// Never: no restart frames, or no header frames but the first.
 inline constexpr std::int64_t never_ns = (std::numeric_limits<std::int64_t>::max)();
+/// A stream with one header only: a reader that lost so much of it finds its time again.
+inline constexpr std::int64_t lost_ns_max = 480'000'000'000;
 /// Restart interval of a stream whose frames all decode alone.
 inline constexpr std::int64_t every_frame_ns = 0;
 
