@@ -67,10 +67,10 @@ $(BUILD)/$(strip $(1)): $(call objects,$(2)) $(foreach a,$(3),$(BUILD)/lib$(a).a
 endef
 
 # ---- archives: the simulator's parts, the rivals of the reducer, the Linux port, the gateway
-SISL            := host_sim/baselines/knots/sisl.cpp
-SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/baselines/%,$(call sources,host_sim/*.cpp host_sim/*/*.cpp)) \
-                   $(call sources,host_sim/baselines/filters/*.cpp host_sim/baselines/earlier/*.cpp)
-PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
+SISL            := host_sim/study/baselines/knots/sisl.cpp
+SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/study/baselines/%,$(call sources,host_sim/*.cpp host_sim/*/*.cpp)) \
+                   $(call sources,host_sim/study/baselines/filters/*.cpp host_sim/study/baselines/earlier/*.cpp)
+PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/study/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
 # recordings alone: what reads and writes files, for programs that are not the simulator
 RECORDING_SOURCES := $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp
 PORT_SOURCES    := $(call sources,port/linux/*.cpp)
@@ -84,7 +84,7 @@ $(eval $(call archive,gateway,$(GATEWAY_SOURCES)))
 
 # ---- programs:      name, sources, archives, libraries
 RECORD       := examples/record/record.cpp examples/record/writer.cpp
-PEERS_TESTED := $(addprefix host_sim/bench_peers/,cache.cpp ours.cpp report.cpp subjects.cpp)
+PEERS_TESTED := $(addprefix host_sim/study/bench_peers/,cache.cpp ours.cpp report.cpp subjects.cpp)
 GOOGLE_TEST  := -lgtest -lgtest_main
 $(eval $(call program,fairlead-sim,host_sim/sim.cpp,sim peers,-lz))
 $(eval $(call program,fairlead-record,$(RECORD),port recording,-lgpiod))
@@ -94,11 +94,11 @@ $(eval $(call program,fairlead-live,$(call sources,examples/live/*.cpp),gateway 
 $(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/measure/*.cpp),gateway port sim,$(GATEWAY_LIBS)))
 $(foreach e,attitude filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
 $(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,sim))
-$(eval $(call program,bench-peers,$(call sources,host_sim/bench_peers/*.cpp) $(SISL),peers sim,-lsisl -lz))
-$(eval $(call program,bench-smooth,host_sim/bench_smooth/smooth.cpp $(call sources,host_sim/baselines/filters/*.cpp),,-lbenchmark))
-$(eval $(call program,bench-attitude,$(call sources,host_sim/bench_attitude/*.cpp host_sim/baselines/ahrs/*.cpp),sim))
+$(eval $(call program,bench-peers,$(call sources,host_sim/study/bench_peers/*.cpp) $(SISL),peers sim,-lsisl -lz))
+$(eval $(call program,bench-smooth,host_sim/study/bench_smooth/smooth.cpp $(call sources,host_sim/study/baselines/filters/*.cpp),,-lbenchmark))
+$(eval $(call program,bench-attitude,$(call sources,host_sim/study/bench_attitude/*.cpp host_sim/study/baselines/ahrs/*.cpp),sim))
 $(eval $(call program,pipeline-search,tests/pipeline/search.cpp))
-ATTITUDE_TRIALS := $(addprefix host_sim/bench_attitude/,locks.cpp motions.cpp simulated.cpp)  # simulated devices
+ATTITUDE_TRIALS := $(addprefix host_sim/study/bench_attitude/,locks.cpp motions.cpp simulated.cpp)  # simulated devices
 $(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp) $(ATTITUDE_TRIALS),sim,$(GOOGLE_TEST)))
 $(eval $(call program,tests/port,$(call sources,tests/port/*.cpp) examples/record/writer.cpp,port sim,-lgpiod $(GOOGLE_TEST)))
 $(eval $(call program,tests/gateway,$(call sources,tests/gateway/*.cpp),gateway port sim,$(GOOGLE_TEST) $(GATEWAY_LIBS)))
@@ -273,9 +273,9 @@ bench: bench-smooth ## [] time smoothing beside its rivals (also: bench-peers, c
 bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing beside gradient descent and fairing
 	$<
 bench-peers: $(BUILD)/bench-peers sim ## [peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
-	$< --page docs/peers.md --control-points host_sim/bench_peers/control_points.csv --sweep host_sim/bench_peers/sweep.csv
+	$< --page docs/peers.md --control-points host_sim/study/bench_peers/control_points.csv --sweep host_sim/study/bench_peers/sweep.csv
 choosing: sim ## [script] what each choice costs: rewrites the tables of docs/choosing.md (a minute)
-	@host_sim/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md
+	@host_sim/study/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md
 compare: sim ## [demo] our causal filters beside their rivals, on all recordings: the tables and plot of docs/choose.md (minutes)
 	$(BUILD)/fairlead-sim compare $(wildcard $(RECORDINGS)/tracker120/*.trk) --seconds 12 --page docs/choose.md --out $(BUILD)/compare
 	@cp $(BUILD)/compare/compare_06*.svg docs/img/compare.svg

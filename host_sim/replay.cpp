@@ -1,9 +1,9 @@
 #include "host_sim/replay.hpp"
 
-#include "host_sim/baselines/earlier/replay.hpp"
 #include "host_sim/curve_store.hpp"
 #include "host_sim/replay_board.hpp"
 #include "host_sim/replay_judge.hpp"
+#include "host_sim/study/baselines/earlier/replay.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
-#include "host_sim/experiments/frontier.hpp"
-#include "host_sim/experiments/plot.hpp"
 #include "host_sim/progress.hpp"
+#include "host_sim/study/experiments/frontier.hpp"
+#include "host_sim/study/experiments/plot.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "host_sim/baselines/earlier/curve_store.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/curve_store.hpp"
@@ -13,6 +12,7 @@
 #include "host_sim/recording/event_file.hpp"
 #include "host_sim/recording/writers.hpp"
 #include "host_sim/spec.hpp"
+#include "host_sim/study/baselines/earlier/curve_store.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -1,14 +1,14 @@
 // fairlead-sim experiment NAME|all [--out DIR]: the papers' experiments, rerun.
-#include "host_sim/experiments/experiment.hpp"
+#include "host_sim/study/experiments/experiment.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
-#include "host_sim/experiments/plot.hpp"
 #include "host_sim/progress.hpp"
 #include "host_sim/recording/recording.hpp"
+#include "host_sim/study/experiments/plot.hpp"
 
 namespace fairlead::sim {
 namespace {

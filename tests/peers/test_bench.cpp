@@ -4,9 +4,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "host_sim/bench_peers/cache.hpp"
-#include "host_sim/bench_peers/ours.hpp"
-#include "host_sim/bench_peers/report.hpp"
+#include "host_sim/study/bench_peers/cache.hpp"
+#include "host_sim/study/bench_peers/ours.hpp"
+#include "host_sim/study/bench_peers/report.hpp"
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <random>
 #include <set>
 
-#include "host_sim/baselines/compress/deflate.hpp"
-#include "host_sim/baselines/compress/predictive.hpp"
-#include "host_sim/baselines/compress/segments.hpp"
-#include "host_sim/baselines/compress/sweep.hpp"
+#include "host_sim/study/baselines/compress/deflate.hpp"
+#include "host_sim/study/baselines/compress/predictive.hpp"
+#include "host_sim/study/baselines/compress/segments.hpp"
+#include "host_sim/study/baselines/compress/sweep.hpp"
 
 namespace {
 

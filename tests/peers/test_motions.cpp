@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <string>
 
-#include "host_sim/baselines/track.hpp"
-#include "host_sim/bench_peers/subjects.hpp"
 #include "host_sim/replay.hpp"
+#include "host_sim/study/baselines/track.hpp"
+#include "host_sim/study/bench_peers/subjects.hpp"
 
 namespace {
 

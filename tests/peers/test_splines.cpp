@@ -5,10 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "host_sim/baselines/knots/certificate.hpp"
-#include "host_sim/baselines/knots/fitpack.hpp"
-#include "host_sim/baselines/knots/removal.hpp"
-#include "host_sim/baselines/knots/windowed.hpp"
+#include "host_sim/study/baselines/knots/certificate.hpp"
+#include "host_sim/study/baselines/knots/fitpack.hpp"
+#include "host_sim/study/baselines/knots/removal.hpp"
+#include "host_sim/study/baselines/knots/windowed.hpp"
 
 namespace {
 

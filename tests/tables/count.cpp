@@ -16,8 +16,8 @@
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/reduce/reducer.hpp"
 #include "fairlead/reduce/rotation_channel.hpp"
-#include "host_sim/baselines/track.hpp"
 #include "host_sim/recording/recording.hpp"
+#include "host_sim/study/baselines/track.hpp"
 
 namespace {
 

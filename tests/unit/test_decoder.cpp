@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "host_sim/baselines/earlier/wire/decoder.hpp"
-#include "host_sim/baselines/earlier/wire/encoder.hpp"
+#include "host_sim/study/baselines/earlier/wire/decoder.hpp"
+#include "host_sim/study/baselines/earlier/wire/encoder.hpp"
 
 namespace {
 

@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "fairlead/smooth/strain_buffer.hpp"
-#include "host_sim/baselines/filters/filters.hpp"
-#include "host_sim/baselines/filters/gradient_descent.hpp"
-#include "host_sim/experiments/frontier.hpp"
+#include "host_sim/study/baselines/filters/filters.hpp"
+#include "host_sim/study/baselines/filters/gradient_descent.hpp"
+#include "host_sim/study/experiments/frontier.hpp"
 #include "tests/ref/motions.hpp"
 
 namespace fairlead::test {

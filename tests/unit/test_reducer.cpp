@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "host_sim/baselines/earlier/wire/encoder.hpp"
+#include "host_sim/study/baselines/earlier/wire/encoder.hpp"
 
 using namespace fairlead;
 using namespace fairlead::earlier;

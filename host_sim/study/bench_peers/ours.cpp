@@ -1,0 +1,128 @@
+#include "host_sim/study/bench_peers/ours.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+
+namespace fairlead::sim {
+namespace {
+
+std::string quoted(const std::string& path) { return '\'' + path + '\''; }
+
+/// Standard output of a command; empty where it fails.
+std::optional<std::string> output_of(const std::string& command) {
+    std::FILE* pipe = popen(command.c_str(), "r");
+    if (pipe == nullptr) return {};
+    std::string out;
+    char part[4096];
+    for (std::size_t n = 0; (n = std::fread(part, 1, sizeof part, pipe)) > 0;) out.append(part, n);
+    const int status = pclose(pipe);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return {};
+    return out;
+}
+
+/// The number after "name": at or beyond `from`; NaN where there is none.
+double number_after(const std::string& json, const std::string& name, std::size_t from) {
+    const std::size_t at = json.find('"' + name + '"', from);
+    const std::size_t colon = at == std::string::npos ? at : json.find(':', at);
+    if (colon == std::string::npos) return std::nan("");
+    return std::strtod(json.c_str() + colon + 1, nullptr);
+}
+
+/// From one value to another: a chord, or an angle.
+double apart(const Cell& cell, const double* a, const double* b) {
+    if (cell.track.channel == Channel::orientation) return rotation_angle(a, b);
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+/// Compares t_ns,px,py,pz,qw,qx,qy,qz with the track.
+void check(const std::string& csv, const Cell& cell, Ours& ours) {
+    std::istringstream lines{csv};
+    std::string line;
+    std::getline(lines, line);
+    const bool position = cell.track.channel == Channel::position;
+    double before[4] = {}, square = 0, off_square = 0;
+    bool follows = false;
+    std::size_t i = 0, steps = 0;
+    for (; i < cell.track.size() && std::getline(lines, line); ++i) {
+        std::istringstream fields{line};
+        std::string field;
+        for (int skip = position ? 1 : 4; skip > 0; --skip) std::getline(fields, field, ',');
+        double value[4] = {1};
+        bool empty = false;
+        for (std::size_t d = 0; d < cell.track.dim(); ++d) {
+            if (!std::getline(fields, field, ',')) field.clear();
+            empty = empty || field.empty();
+            value[d] = std::strtod(field.c_str(), nullptr);
+        }
+        if (empty)
+            ++ours.samples_missing;
+        else
+            ours.error = std::max(ours.error, cell.track.error(i, value) / cell.tolerance);
+        if (follows && !empty) {
+            const double step_s = cell.track.t[i] - cell.track.t[i - 1];
+            const double speed = apart(cell, cell.track.at(i - 1), cell.track.at(i)) / step_s;
+            const double off = apart(cell, before, value) / step_s - speed;
+            square += speed * speed;
+            off_square += off * off;
+            ++steps;
+        }
+        std::copy(value, value + 4, before);
+        follows = !empty;
+    }
+    if (steps > 0) {
+        ours.speed = std::sqrt(square / static_cast<double>(steps));
+        ours.speed_error = std::sqrt(off_square / static_cast<double>(steps));
+    }
+    ours.samples_missing += cell.track.size() - i;
+}
+
+void say_once(const std::string& what) {
+    static bool said = false;
+    if (!said) std::fprintf(stderr, "skipped our reducer: %s\n", what.c_str());
+    said = true;
+}
+
+}  // namespace
+
+std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay,
+                                    const Setting& setting) const {
+    if (access(path.c_str(), X_OK) != 0) {
+        say_once("no program " + path);
+        return {};
+    }
+    const std::string in = folder + "/cut/" + cell.file_name();
+    const std::string stream = folder + "/ours.flr", csv = folder + "/ours.csv";
+    const bool position = cell.track.channel == Channel::position;
+    char limits[128];
+    std::snprintf(limits, sizeof limits, " --tol-pos %.9g --tol-rot %.9g --max-delay %zu %s ",
+                  position ? cell.tolerance : 0.001, position ? 0.01 : cell.tolerance, delay,
+                  setting.arguments);
+    const auto json = output_of(quoted(path) + " reduce " + quoted(in) + limits + "--channel " +
+                                to_string(cell.track.channel) + " --out " + quoted(stream) +
+                                " --json " + extra_arguments);
+    if (!json) {
+        say_once(path + " reduce failed on " + in);
+        return {};
+    }
+    const std::size_t block = json->find(std::string{"\""} + to_string(cell.track.channel) + '"');
+    Ours ours;
+    ours.bytes = static_cast<std::size_t>(number_after(*json, "bytes", 0));
+    ours.control_points = static_cast<std::size_t>(number_after(*json, "control_points", block));
+    ours.max_delay = number_after(*json, "max_delay_samples", block);
+    ours.mean_delay = number_after(*json, "mean_delay_samples", block);
+    if (!output_of(quoted(path) + " decode " + quoted(stream) + " --at " + quoted(in) + " --out " +
+                   quoted(csv) + (setting.earlier ? " --earlier" : ""))) {
+        say_once(path + " decode failed on " + stream);
+        return {};
+    }
+    check(read_bytes(csv), cell, ours);
+    return ours;
+}
+
+}  // namespace fairlead::sim
