@@ -16,10 +16,10 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/models/icm42688_model.hpp"
-#include "host_sim/models/lsm6_model.hpp"
-#include "host_sim/models/magnetometer_models.hpp"
-#include "host_sim/models/mpu6xxx_model.hpp"
+#include "host_sim/chip_models/icm42688_model.hpp"
+#include "host_sim/chip_models/lsm6_model.hpp"
+#include "host_sim/chip_models/magnetometer_models.hpp"
+#include "host_sim/chip_models/mpu6xxx_model.hpp"
 #include "port/linux/clock.hpp"
 #include "tests/linux_vm/source.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 #include "host_sim/recording/recording.hpp"
 
 namespace fairlead::vm {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 #include "port/sensors/bus.hpp"
 #include "port/sensors/spi.hpp"
 

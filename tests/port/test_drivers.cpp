@@ -10,13 +10,13 @@
 #include <type_traits>
 #include <vector>
 
-#include "host_sim/models/bmi088_model.hpp"
-#include "host_sim/models/bmi_model.hpp"
-#include "host_sim/models/icm20948_model.hpp"
-#include "host_sim/models/icm42688_model.hpp"
-#include "host_sim/models/icm456xx_model.hpp"
-#include "host_sim/models/lsm6_model.hpp"
-#include "host_sim/models/mpu6xxx_model.hpp"
+#include "host_sim/chip_models/bmi088_model.hpp"
+#include "host_sim/chip_models/bmi_model.hpp"
+#include "host_sim/chip_models/icm20948_model.hpp"
+#include "host_sim/chip_models/icm42688_model.hpp"
+#include "host_sim/chip_models/icm456xx_model.hpp"
+#include "host_sim/chip_models/lsm6_model.hpp"
+#include "host_sim/chip_models/mpu6xxx_model.hpp"
 #include "port/sensors/bmi.hpp"
 #include "port/sensors/bmi088.hpp"
 #include "port/sensors/icm20948.hpp"

@@ -2,13 +2,13 @@
 // settings, self test, bypass, and a failure at transfer k for all k.
 #include <type_traits>
 
-#include "host_sim/models/ak8963_model.hpp"
-#include "host_sim/models/icm20948_model.hpp"
-#include "host_sim/models/iis2mdc_model.hpp"
-#include "host_sim/models/magnetometer_models.hpp"
-#include "host_sim/models/mmc5983ma_model.hpp"
-#include "host_sim/models/mpu6xxx_model.hpp"
-#include "host_sim/models/qmc5883_model.hpp"
+#include "host_sim/chip_models/ak8963_model.hpp"
+#include "host_sim/chip_models/icm20948_model.hpp"
+#include "host_sim/chip_models/iis2mdc_model.hpp"
+#include "host_sim/chip_models/magnetometer_models.hpp"
+#include "host_sim/chip_models/mmc5983ma_model.hpp"
+#include "host_sim/chip_models/mpu6xxx_model.hpp"
+#include "host_sim/chip_models/qmc5883_model.hpp"
 #include "port/sensors/ak09916.hpp"
 #include "port/sensors/ak8963.hpp"
 #include "port/sensors/icm20948.hpp"

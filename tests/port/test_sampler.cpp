@@ -8,13 +8,13 @@
 #include <random>
 #include <vector>
 
-#include "host_sim/models/bmi088_model.hpp"
-#include "host_sim/models/bmi_model.hpp"
-#include "host_sim/models/icm20948_model.hpp"
-#include "host_sim/models/icm42688_model.hpp"
-#include "host_sim/models/icm456xx_model.hpp"
-#include "host_sim/models/lsm6_model.hpp"
-#include "host_sim/models/mpu6xxx_model.hpp"
+#include "host_sim/chip_models/bmi088_model.hpp"
+#include "host_sim/chip_models/bmi_model.hpp"
+#include "host_sim/chip_models/icm20948_model.hpp"
+#include "host_sim/chip_models/icm42688_model.hpp"
+#include "host_sim/chip_models/icm456xx_model.hpp"
+#include "host_sim/chip_models/lsm6_model.hpp"
+#include "host_sim/chip_models/mpu6xxx_model.hpp"
 #include "port/linux/imu_loop.hpp"
 #include "port/sensors/chips.hpp"
 #include "tests/port/model_bus.hpp"

@@ -6,7 +6,7 @@
 // tags, sensor time, data synchronisation, low power.
 #include <vector>
 
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

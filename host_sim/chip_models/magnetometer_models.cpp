@@ -1,4 +1,4 @@
-#include "host_sim/models/magnetometer_models.hpp"
+#include "host_sim/chip_models/magnetometer_models.hpp"
 
 namespace fairlead::sim {
 

@@ -1,4 +1,4 @@
-#include "host_sim/models/bmi_model.hpp"
+#include "host_sim/chip_models/bmi_model.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #pragma once
 // QMC5883L and QMC5883P: suspend and continuous mode, rates, ranges, data-ready, overflow, skipped
 // data (L), self test (P). Not modelled: the interrupt pin of the L, single mode of the P.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

@@ -1,4 +1,4 @@
-#include "host_sim/models/icm42688_model.hpp"
+#include "host_sim/chip_models/icm42688_model.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "host_sim/models/icm20948_model.hpp"
+#include "host_sim/chip_models/icm20948_model.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -2,7 +2,7 @@
 // ICM-42688-P: banks, soft reset, both sensors, data-ready, the 2 KiB FIFO of 16-byte packets with
 // watermark and overrun, time stamps, self test. Not modelled: low-power modes, APEX,
 // high-resolution packets, frame sync, SPI.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

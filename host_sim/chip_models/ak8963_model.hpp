@@ -1,7 +1,7 @@
 #pragma once
 // AK8963: power-down, both continuous modes, single and self test, fuse ROM, 16-bit data with lock
 // until ST2 is read. The motion is given in the chip's own axes. Not modelled: 14 bits, SPI.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

@@ -1,6 +1,6 @@
 #pragma once
 // LIS3MDL and AK09916, and the little of an ICM-20948 that stands before the latter: the bypass.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

@@ -1,7 +1,7 @@
 #pragma once
 // IIS2MDC and LIS2MDL: idle and continuous mode, data-ready on the pin, overrun, self test,
 // temperature. Not modelled: single mode, thresholds, SPI.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

@@ -2,7 +2,7 @@
 // MMC5983MA: single and continuous measurements of 18 bits, SET and RESET of the bridge, whose
 // offset is part of every reading. Control registers read as zero, as in the part. Not modelled:
 // temperature measurements, SPI.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

@@ -3,7 +3,7 @@
 // 7-byte tagged words with 10- or 9-bit count, watermark, latched overrun, time stamps, trim, self
 // test. Reset while INT1 is asserted, it leaves I2C. The pages of the sensor hub and of the
 // embedded functions only remember. Not modelled: I3C, per-sensor rates that differ, power modes.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

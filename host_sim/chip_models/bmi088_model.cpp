@@ -1,4 +1,4 @@
-#include "host_sim/models/bmi088_model.hpp"
+#include "host_sim/chip_models/bmi088_model.hpp"
 
 #include <algorithm>
 

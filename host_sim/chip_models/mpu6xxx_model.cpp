@@ -1,4 +1,4 @@
-#include "host_sim/models/mpu6xxx_model.hpp"
+#include "host_sim/chip_models/mpu6xxx_model.hpp"
 
 namespace fairlead::sim {
 namespace {

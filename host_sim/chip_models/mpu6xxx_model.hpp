@@ -3,7 +3,7 @@
 // marks (overflow drops the oldest bytes), auxiliary-bus bypass, self test. A reset takes as long
 // as a start; meanwhile its bit stands and writes are lost. Not modelled: DMP, the I2C master,
 // low-power cycling, wake-on-motion.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

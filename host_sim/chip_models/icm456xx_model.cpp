@@ -1,4 +1,4 @@
-#include "host_sim/models/icm456xx_model.hpp"
+#include "host_sim/chip_models/icm456xx_model.hpp"
 
 namespace fairlead::sim {
 

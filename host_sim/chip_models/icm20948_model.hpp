@@ -2,7 +2,7 @@
 // ICM-20948: banks, sleep, both sensors, data-ready pulses, the 512-byte FIFO without packet marks
 // (overflow drops the oldest bytes), bypass, self test. Not modelled: DMP, the I2C master,
 // low-power cycling, different rates of the two sensors, SPI.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

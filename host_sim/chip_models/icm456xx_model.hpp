@@ -2,7 +2,7 @@
 // ICM-45686: soft reset, both sensors, data-ready, the 8 KiB FIFO of 16-byte packets with watermark
 // and overrun, time stamps, indirect registers. Not modelled: low power, auxiliary data,
 // high-resolution packets, self test, SPI, I3C.
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

@@ -5,7 +5,7 @@
 // power, different rates of the two sensors, SPI's wake-up (tests/port/model_spi.hpp asks for it).
 #include <vector>
 
-#include "host_sim/models/chip_model.hpp"
+#include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
 

@@ -1,4 +1,4 @@
-#include "host_sim/models/lsm6_model.hpp"
+#include "host_sim/chip_models/lsm6_model.hpp"
 
 namespace fairlead::sim {
 
