@@ -72,7 +72,7 @@ SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/study
                    $(call sources,host_sim/study/baselines/filters/*.cpp host_sim/study/baselines/earlier/*.cpp)
 PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/study/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
 # recordings alone: what reads and writes files, for programs that are not the simulator
-RECORDING_SOURCES := $(call sources,host_sim/recording/*.cpp) host_sim/spec.cpp
+RECORDING_SOURCES := $(call sources,host_sim/recording/*.cpp) host_sim/recording/spec.cpp
 PORT_SOURCES    := $(call sources,port/linux/*.cpp)
 GATEWAY_SOURCES := $(filter-out %_main.cpp,$(call sources,examples/gateway/*.cpp))
 GATEWAY_LIBS    := -lmodbus -lgpiod

@@ -1,5 +1,5 @@
 #include "host_sim/attitude_run.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 
 #include <algorithm>
 #include <charconv>

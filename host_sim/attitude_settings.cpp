@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

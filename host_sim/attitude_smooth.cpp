@@ -5,8 +5,8 @@
 
 #include "fairlead/sense/attitude.hpp"
 #include "fairlead/sense/intake.hpp"
-#include "host_sim/progress.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/progress.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "host_sim/recording/recording.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 

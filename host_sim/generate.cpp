@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "host_sim/motion.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/sensor_model.hpp"
-#include "host_sim/spec.hpp"
 
 namespace fairlead::sim {
 

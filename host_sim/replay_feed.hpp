@@ -8,10 +8,10 @@
 
 #include "fairlead/base/bytes.hpp"
 #include "host_sim/filter_chain.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/replay.hpp"
 #include "host_sim/seal.hpp"
-#include "host_sim/spec.hpp"
 
 namespace fairlead::sim {
 

@@ -8,7 +8,7 @@
 
 #include "fairlead/math/quat.hpp"
 #include "host_sim/curve_store.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 #include "host_sim/replay.hpp"
 
 namespace fairlead::sim {

@@ -16,7 +16,7 @@
 
 #include "examples/gateway/reader.hpp"
 #include "fairlead/math/quat.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/recording.hpp"
 #include "port/linux/clock.hpp"
 

@@ -7,7 +7,7 @@
 #include "examples/gateway/follower.hpp"
 #include "examples/gateway/live.hpp"
 #include "examples/gateway/source.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/recording.hpp"
 #include "port/linux/clock.hpp"
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 #include "host_sim/study/experiments/frontier.hpp"
 #include "host_sim/study/experiments/plot.hpp"
 

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/writers.hpp"
 
 namespace fairlead::sim {

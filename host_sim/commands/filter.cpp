@@ -9,7 +9,7 @@
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/filter_chain.hpp"
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/writers.hpp"
 #include "host_sim/refused.hpp"
 

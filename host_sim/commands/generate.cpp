@@ -6,9 +6,9 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/recording/event_file.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
 #include "host_sim/sensor_model.hpp"
-#include "host_sim/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

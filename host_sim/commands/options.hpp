@@ -5,13 +5,13 @@
 #include <optional>
 #include <string>
 
-#include "host_sim/progress.hpp"
 #include "host_sim/recording/event_file.hpp"
 #include "host_sim/recording/plausible.hpp"
+#include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/recording.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
 #include "host_sim/replay.hpp"
-#include "host_sim/spec.hpp"
 
 namespace fairlead::sim {
 

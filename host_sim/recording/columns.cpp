@@ -4,7 +4,7 @@
 #include <array>
 #include <cctype>
 
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <charconv>
 
 #include "host_sim/recording/recording.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -7,9 +7,9 @@
 #include "host_sim/recording/bare_layout.hpp"
 #include "host_sim/recording/decimal.hpp"
 #include "host_sim/recording/evidence.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/table.hpp"
 #include "host_sim/recording/unit_choice.hpp"
-#include "host_sim/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "host_sim/recording/decimal.hpp"
 #include "host_sim/recording/evidence.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -7,7 +7,7 @@
 #include "host_sim/recording/binary.hpp"
 #include "host_sim/recording/bytes.hpp"
 #include "host_sim/recording/imu2.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

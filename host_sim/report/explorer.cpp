@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 #include "host_sim/report/assets.hpp"
 #include "host_sim/report/chart.hpp"
 #include "host_sim/report/packed.hpp"

@@ -4,8 +4,8 @@
 
 #include "host_sim/recording/plausible.hpp"
 #include "host_sim/recording/recording.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
-#include "host_sim/spec.hpp"
 
 using namespace fairlead::sim;
 

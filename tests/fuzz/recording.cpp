@@ -5,7 +5,7 @@
 #include <string>
 
 #include "host_sim/recording/event_file.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "tests/fuzz/input.hpp"
 
 namespace {

@@ -11,7 +11,7 @@
 #include "host_sim/attitude_run.hpp"
 #include "host_sim/attitude_settings.hpp"
 #include "host_sim/attitude_smooth.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/study/bench_attitude/locks.hpp"
 
 namespace fairlead::sim {

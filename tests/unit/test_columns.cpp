@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "host_sim/recording/columns.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 using namespace fairlead::sim;
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host_sim/generate.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 using namespace fairlead;
 using namespace fairlead::sim;

@@ -7,8 +7,8 @@
 
 #include "host_sim/faults.hpp"
 #include "host_sim/motion.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
-#include "host_sim/spec.hpp"
 
 using namespace fairlead;
 using namespace fairlead::sim;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 
 using namespace fairlead::sim;
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "host_sim/recording/recording.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
-#include "host_sim/spec.hpp"
 
 using namespace fairlead;
 using namespace fairlead::sim;

@@ -12,7 +12,7 @@
 #include "host_sim/faults.hpp"
 #include "host_sim/generate.hpp"
 #include "host_sim/random.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 #include "host_sim/summary.hpp"
 
 using namespace fairlead;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fairlead/math/mat3.hpp"
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
 namespace {

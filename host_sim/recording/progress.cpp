@@ -1,4 +1,4 @@
-#include "host_sim/progress.hpp"
+#include "host_sim/recording/progress.hpp"
 
 #include <unistd.h>
 

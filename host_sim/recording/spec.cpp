@@ -1,4 +1,4 @@
-#include "host_sim/spec.hpp"
+#include "host_sim/recording/spec.hpp"
 
 #include <charconv>
 #include <cmath>
