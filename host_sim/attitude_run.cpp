@@ -11,7 +11,7 @@
 #include "fairlead/sense/attitude.hpp"
 #include "fairlead/sense/attitude_gyro.hpp"
 #include "fairlead/sense/intake.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 
 namespace fairlead::sim {
 namespace {

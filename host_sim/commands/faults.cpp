@@ -1,5 +1,5 @@
 // fairlead-sim faults IN SPEC --seed N --out FILE: a recording, or any file, spoiled on purpose.
-#include "host_sim/faults.hpp"
+#include "host_sim/generate/faults.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

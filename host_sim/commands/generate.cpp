@@ -1,14 +1,14 @@
 // fairlead-sim generate SPEC --seed N --out FILE: a recording with known truth.
-#include "host_sim/generate.hpp"
+#include "host_sim/generate/generate.hpp"
 
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "host_sim/commands/commands.hpp"
+#include "host_sim/generate/sensor_model.hpp"
 #include "host_sim/recording/event_file.hpp"
 #include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
-#include "host_sim/sensor_model.hpp"
 
 namespace fairlead::sim {
 namespace {

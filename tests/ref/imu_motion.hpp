@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "fairlead/base/types.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 #include "tests/ref/rotation.hpp"
 
 namespace ref {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "fairlead/pipeline.hpp"
-#include "host_sim/generate.hpp"
+#include "host_sim/generate/generate.hpp"
 #include "host_sim/recording/recording.hpp"
 
 using namespace fairlead;

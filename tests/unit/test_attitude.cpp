@@ -9,7 +9,7 @@
 
 #include "fairlead/sense/attitude_gyro.hpp"
 #include "fairlead/sense/intake.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 #include "tests/ref/imu_motion.hpp"
 
 namespace {

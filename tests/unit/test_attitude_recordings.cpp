@@ -7,7 +7,7 @@
 #include "fairlead/math/quat.hpp"
 #include "host_sim/allan.hpp"
 #include "host_sim/attitude_run.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "fairlead/sense/calibrate_accel.hpp"
 #include "fairlead/sense/calibrate_gyro.hpp"
 #include "fairlead/sense/calibrate_mag.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 
 namespace {
 

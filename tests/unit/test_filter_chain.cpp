@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "host_sim/generate.hpp"
+#include "host_sim/generate/generate.hpp"
 #include "host_sim/recording/spec.hpp"
 
 using namespace fairlead;

@@ -1,12 +1,12 @@
 // Generated recordings: the truth is a motion with exact derivatives, the same bytes everywhere.
-#include "host_sim/generate.hpp"
+#include "host_sim/generate/generate.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host_sim/faults.hpp"
-#include "host_sim/motion.hpp"
+#include "host_sim/generate/faults.hpp"
+#include "host_sim/generate/motion.hpp"
 #include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
 

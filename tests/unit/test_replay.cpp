@@ -9,9 +9,9 @@
 #include "fairlead/math/quat.hpp"
 #include "host_sim/attitude_run.hpp"
 #include "host_sim/curve_store.hpp"
-#include "host_sim/faults.hpp"
-#include "host_sim/generate.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/faults.hpp"
+#include "host_sim/generate/generate.hpp"
+#include "host_sim/generate/random.hpp"
 #include "host_sim/recording/spec.hpp"
 #include "host_sim/summary.hpp"
 

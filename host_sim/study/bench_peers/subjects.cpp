@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "host_sim/generate.hpp"
+#include "host_sim/generate/generate.hpp"
 #include "host_sim/recording/writers.hpp"
 
 namespace fairlead::sim {

@@ -16,7 +16,7 @@
 #include "fairlead/smooth/fairing_window.hpp"
 #include "fairlead/smooth/strain.hpp"
 #include "fairlead/smooth/strain_buffer.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 #include "host_sim/study/baselines/filters/gradient_descent.hpp"
 
 namespace fairlead::sim {

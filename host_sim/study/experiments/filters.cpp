@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fairlead/math/quat.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 #include "host_sim/study/baselines/filters/filters.hpp"
 #include "host_sim/study/experiments/experiment.hpp"
 #include "host_sim/study/experiments/plot.hpp"

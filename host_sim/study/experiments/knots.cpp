@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 #include "host_sim/study/baselines/knots/removal.hpp"
 #include "host_sim/study/baselines/knots/windowed.hpp"
 #include "host_sim/study/experiments/experiment.hpp"

@@ -6,7 +6,7 @@
 
 #include "fairlead/math/quat.hpp"
 #include "fairlead/sense/intake.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 
 namespace fairlead::sim {
 namespace {

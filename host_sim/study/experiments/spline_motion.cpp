@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "fairlead/math/quat.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 #include "host_sim/study/experiments/experiment.hpp"
 
 namespace fairlead::sim {

@@ -1,4 +1,4 @@
-#include "host_sim/motion.hpp"
+#include "host_sim/generate/motion.hpp"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fairlead/math/quat.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 
 namespace fairlead::sim {
 

@@ -1,9 +1,9 @@
-#include "host_sim/faults.hpp"
+#include "host_sim/generate/faults.hpp"
 
 #include <algorithm>
 #include <limits>
 
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 
 namespace fairlead::sim {
 

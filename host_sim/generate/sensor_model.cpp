@@ -1,4 +1,4 @@
-#include "host_sim/sensor_model.hpp"
+#include "host_sim/generate/sensor_model.hpp"
 
 #include <algorithm>
 #include <cmath>

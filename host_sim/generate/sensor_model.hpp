@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/motion.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/motion.hpp"
+#include "host_sim/generate/random.hpp"
 
 namespace fairlead::sim {
 

@@ -1,13 +1,13 @@
-#include "host_sim/generate.hpp"
+#include "host_sim/generate/generate.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "host_sim/motion.hpp"
+#include "host_sim/generate/motion.hpp"
+#include "host_sim/generate/sensor_model.hpp"
 #include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/spec.hpp"
-#include "host_sim/sensor_model.hpp"
 
 namespace fairlead::sim {
 
