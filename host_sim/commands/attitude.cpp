@@ -3,12 +3,12 @@
 #include <charconv>
 #include <memory>
 
-#include "host_sim/attitude_run.hpp"
-#include "host_sim/attitude_settings.hpp"
-#include "host_sim/attitude_smooth.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
-#include "host_sim/refused.hpp"
+#include "host_sim/replay/attitude_run.hpp"
+#include "host_sim/replay/attitude_settings.hpp"
+#include "host_sim/replay/attitude_smooth.hpp"
+#include "host_sim/replay/refused.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
-#include "host_sim/curve_store.hpp"
 #include "host_sim/recording/event_file.hpp"
 #include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
+#include "host_sim/replay/curve_store.hpp"
 #include "host_sim/study/baselines/earlier/curve_store.hpp"
 
 namespace fairlead::sim {

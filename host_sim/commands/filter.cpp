@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "fairlead/sense/intake.hpp"
-#include "host_sim/attitude_run.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
-#include "host_sim/filter_chain.hpp"
 #include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/writers.hpp"
-#include "host_sim/refused.hpp"
+#include "host_sim/replay/attitude_run.hpp"
+#include "host_sim/replay/filter_chain.hpp"
+#include "host_sim/replay/refused.hpp"
 
 namespace fairlead::sim {
 namespace {

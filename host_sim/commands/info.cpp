@@ -7,9 +7,9 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
-#include "host_sim/curve_store.hpp"
 #include "host_sim/recording/evidence.hpp"
 #include "host_sim/recording/recording.hpp"
+#include "host_sim/replay/curve_store.hpp"
 
 namespace fairlead::sim {
 namespace {

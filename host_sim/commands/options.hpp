@@ -11,7 +11,7 @@
 #include "host_sim/recording/recording.hpp"
 #include "host_sim/recording/spec.hpp"
 #include "host_sim/recording/writers.hpp"
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 
 namespace fairlead::sim {
 

@@ -4,7 +4,7 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 #include "host_sim/summary.hpp"
 
 namespace fairlead::sim {

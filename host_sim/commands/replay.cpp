@@ -1,5 +1,5 @@
 // fairlead-sim replay IN: the whole pipeline on a recording, a summary, and a folder of results.
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
-#include "host_sim/filter_chain.hpp"
 #include "host_sim/recording/writers.hpp"
+#include "host_sim/replay/filter_chain.hpp"
 #include "host_sim/report/report.hpp"
 #include "host_sim/summary.hpp"
 

@@ -4,9 +4,9 @@
 #include <map>
 #include <memory>
 
-#include "host_sim/attitude_run.hpp"
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
+#include "host_sim/replay/attitude_run.hpp"
 
 namespace fairlead::sim {
 namespace {

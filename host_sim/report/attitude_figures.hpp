@@ -2,7 +2,7 @@
 // The figures of a report that tell how the attitude filter fared.
 #include <vector>
 
-#include "host_sim/attitude_trace.hpp"
+#include "host_sim/replay/attitude_trace.hpp"
 #include "host_sim/report/chart.hpp"
 
 namespace fairlead::sim {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 #include "host_sim/report/plot.hpp"
 
 namespace fairlead::sim {

@@ -2,7 +2,7 @@
 // The figures of a replay's report.
 #include <vector>
 
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 #include "host_sim/report/plot.hpp"
 
 namespace fairlead::sim {

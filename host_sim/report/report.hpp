@@ -2,7 +2,7 @@
 // report.html: one self-contained page about a replay, to be explored in a browser without network.
 #include <string>
 
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 
 namespace fairlead::sim {
 

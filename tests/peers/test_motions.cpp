@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 #include "host_sim/study/baselines/track.hpp"
 #include "host_sim/study/bench_peers/subjects.hpp"
 

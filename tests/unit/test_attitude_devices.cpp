@@ -8,10 +8,10 @@
 #include "fairlead/math/euler.hpp"
 #include "fairlead/sense/attitude_lag.hpp"
 #include "fairlead/sense/calibrate_temperature.hpp"
-#include "host_sim/attitude_run.hpp"
-#include "host_sim/attitude_settings.hpp"
-#include "host_sim/attitude_smooth.hpp"
 #include "host_sim/recording/spec.hpp"
+#include "host_sim/replay/attitude_run.hpp"
+#include "host_sim/replay/attitude_settings.hpp"
+#include "host_sim/replay/attitude_smooth.hpp"
 #include "host_sim/study/bench_attitude/locks.hpp"
 
 namespace fairlead::sim {

@@ -6,8 +6,8 @@
 
 #include "fairlead/math/quat.hpp"
 #include "host_sim/allan.hpp"
-#include "host_sim/attitude_run.hpp"
 #include "host_sim/generate/random.hpp"
+#include "host_sim/replay/attitude_run.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // The run-time filter chain: its grammar, and that a chain is its filters one after another.
-#include "host_sim/filter_chain.hpp"
+#include "host_sim/replay/filter_chain.hpp"
 
 #include <gtest/gtest.h>
 

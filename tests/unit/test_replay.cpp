@@ -1,18 +1,18 @@
 // The replay's accounting, on motions with rests, gaps, drop-outs, teleports and faults. The heap
 // is sealed around every push, so that an allocation in the pipeline would end the test.
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "fairlead/math/quat.hpp"
-#include "host_sim/attitude_run.hpp"
-#include "host_sim/curve_store.hpp"
 #include "host_sim/generate/faults.hpp"
 #include "host_sim/generate/generate.hpp"
 #include "host_sim/generate/random.hpp"
 #include "host_sim/recording/spec.hpp"
+#include "host_sim/replay/attitude_run.hpp"
+#include "host_sim/replay/curve_store.hpp"
 #include "host_sim/summary.hpp"
 
 using namespace fairlead;

@@ -5,7 +5,7 @@
 #include <new>
 #include <string>
 
-#include "host_sim/seal.hpp"
+#include "host_sim/replay/seal.hpp"
 
 using fairlead::sim::HeapSeal;
 

@@ -1,4 +1,4 @@
-// The scheduler of host_sim/timing.hpp against cases small enough to play by hand.
+// The scheduler of host_sim/replay/timing.hpp against cases small enough to play by hand.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -6,7 +6,7 @@
 #include "examples/firmware/motion.hpp"
 #include "fairlead/pipeline.hpp"
 #include "host_sim/recording/recording.hpp"
-#include "host_sim/timing.hpp"
+#include "host_sim/replay/timing.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "fairlead/sense/attitude.hpp"
-#include "host_sim/attitude_run.hpp"
+#include "host_sim/replay/attitude_run.hpp"
 #include "host_sim/study/baselines/ahrs/ahrs.hpp"
 
 namespace fairlead::sim {

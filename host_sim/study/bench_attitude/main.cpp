@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "fairlead/sense/attitude.hpp"
-#include "host_sim/attitude_settings.hpp"
+#include "host_sim/replay/attitude_settings.hpp"
 #include "host_sim/study/baselines/ahrs/ahrs.hpp"
 #include "host_sim/study/bench_attitude/foreign.hpp"
 #include "host_sim/study/bench_attitude/locks.hpp"

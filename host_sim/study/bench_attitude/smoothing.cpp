@@ -5,8 +5,8 @@
 
 #include "fairlead/sense/attitude_lag.hpp"
 #include "fairlead/sense/intake.hpp"
-#include "host_sim/attitude_run.hpp"
-#include "host_sim/attitude_smooth.hpp"
+#include "host_sim/replay/attitude_run.hpp"
+#include "host_sim/replay/attitude_smooth.hpp"
 #include "host_sim/study/bench_attitude/foreign.hpp"
 
 namespace fairlead::sim {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/attitude_run.hpp"
+#include "host_sim/replay/attitude_run.hpp"
 
 namespace fairlead::sim {
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <optional>
 
-#include "host_sim/replay_board.hpp"
-#include "host_sim/replay_judge.hpp"
+#include "host_sim/replay/replay_board.hpp"
+#include "host_sim/replay/replay_judge.hpp"
 #include "host_sim/study/baselines/earlier/curve_store.hpp"
 #include "host_sim/study/baselines/earlier/wire/encoder.hpp"
 

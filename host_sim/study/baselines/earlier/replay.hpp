@@ -1,7 +1,7 @@
 #pragma once
 // --objective knots: the earlier search for few knots, behind the same intake and filter. Its
 // stream has a format of its own (version 3), which earlier::CurveStore reads.
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 
 namespace fairlead::sim::earlier {
 

@@ -1,4 +1,4 @@
-#include "host_sim/filter_chain.hpp"
+#include "host_sim/replay/filter_chain.hpp"
 
 #include <cstdio>
 #include <vector>

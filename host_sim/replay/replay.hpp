@@ -11,8 +11,8 @@
 #include "fairlead/board.hpp"
 #include "fairlead/math/approx.hpp"
 #include "fairlead/sense/intake.hpp"
-#include "host_sim/attitude_trace.hpp"
 #include "host_sim/recording/recording.hpp"
+#include "host_sim/replay/attitude_trace.hpp"
 
 namespace fairlead::sim {
 

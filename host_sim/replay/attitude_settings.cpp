@@ -1,4 +1,4 @@
-#include "host_sim/attitude_settings.hpp"
+#include "host_sim/replay/attitude_settings.hpp"
 
 #include <algorithm>
 #include <array>

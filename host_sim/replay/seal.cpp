@@ -1,4 +1,4 @@
-#include "host_sim/seal.hpp"
+#include "host_sim/replay/seal.hpp"
 
 #include <unistd.h>
 

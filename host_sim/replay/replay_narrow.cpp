@@ -1,5 +1,5 @@
-// The pipelines whose search is medium.
-#include "host_sim/replay_board.hpp"
+// The pipelines whose search is narrow.
+#include "host_sim/replay/replay_board.hpp"
 
 namespace fairlead::sim {
 
@@ -7,6 +7,6 @@ template <Beam beam>
 void run_beam(const Recording& recording, Replay& result) {
     run_board<beam, StreamEncoder>(recording, result);
 }
-template void run_beam<Beam::medium>(const Recording&, Replay&);
+template void run_beam<Beam::narrow>(const Recording&, Replay&);
 
 }  // namespace fairlead::sim

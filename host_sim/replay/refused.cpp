@@ -1,7 +1,7 @@
-#include "host_sim/refused.hpp"
+#include "host_sim/replay/refused.hpp"
 
 #include "fairlead/sense/intake.hpp"
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "host_sim/attitude_smooth.hpp"
+#include "host_sim/replay/attitude_smooth.hpp"
 
 #include <algorithm>
 #include <cmath>

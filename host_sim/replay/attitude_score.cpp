@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "fairlead/math/quat.hpp"
-#include "host_sim/attitude_run.hpp"
+#include "host_sim/replay/attitude_run.hpp"
 
 namespace fairlead::sim {
 

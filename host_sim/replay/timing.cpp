@@ -1,4 +1,4 @@
-#include "host_sim/timing.hpp"
+#include "host_sim/replay/timing.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,8 +1,8 @@
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/replay.hpp"
 
-#include "host_sim/curve_store.hpp"
-#include "host_sim/replay_board.hpp"
-#include "host_sim/replay_judge.hpp"
+#include "host_sim/replay/curve_store.hpp"
+#include "host_sim/replay/replay_board.hpp"
+#include "host_sim/replay/replay_judge.hpp"
 #include "host_sim/study/baselines/earlier/replay.hpp"
 
 namespace fairlead::sim {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "fairlead/math/quat.hpp"
-#include "host_sim/curve_store.hpp"
 #include "host_sim/recording/progress.hpp"
-#include "host_sim/replay.hpp"
+#include "host_sim/replay/curve_store.hpp"
+#include "host_sim/replay/replay.hpp"
 
 namespace fairlead::sim {
 

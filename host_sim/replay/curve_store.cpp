@@ -1,4 +1,4 @@
-#include "host_sim/curve_store.hpp"
+#include "host_sim/replay/curve_store.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -7,7 +7,7 @@
 
 #include "fairlead/sense/attitude.hpp"
 #include "fairlead/sense/attitude_gyro.hpp"
-#include "host_sim/attitude_run.hpp"
+#include "host_sim/replay/attitude_run.hpp"
 
 namespace fairlead::sim {
 

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "fairlead/pipeline.hpp"
-#include "host_sim/replay_feed.hpp"
+#include "host_sim/replay/replay_feed.hpp"
 
 namespace fairlead::sim {
 

@@ -1,4 +1,4 @@
-#include "host_sim/attitude_run.hpp"
+#include "host_sim/replay/attitude_run.hpp"
 #include "host_sim/recording/progress.hpp"
 
 #include <algorithm>

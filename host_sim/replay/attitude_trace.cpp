@@ -1,4 +1,4 @@
-#include "host_sim/attitude_trace.hpp"
+#include "host_sim/replay/attitude_trace.hpp"
 
 #include <optional>
 

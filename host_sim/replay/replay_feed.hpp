@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "fairlead/base/bytes.hpp"
-#include "host_sim/filter_chain.hpp"
 #include "host_sim/recording/progress.hpp"
 #include "host_sim/recording/spec.hpp"
-#include "host_sim/replay.hpp"
-#include "host_sim/seal.hpp"
+#include "host_sim/replay/filter_chain.hpp"
+#include "host_sim/replay/replay.hpp"
+#include "host_sim/replay/seal.hpp"
 
 namespace fairlead::sim {
 
