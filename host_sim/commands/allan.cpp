@@ -1,5 +1,5 @@
 // fairlead-sim allan IN: the noise of a sensor, from its longest rest.
-#include "host_sim/allan.hpp"
+#include "host_sim/report/allan.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "host_sim/commands/commands.hpp"
 #include "host_sim/commands/options.hpp"
 #include "host_sim/replay/replay.hpp"
-#include "host_sim/summary.hpp"
+#include "host_sim/report/summary.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -10,7 +10,7 @@
 #include "host_sim/recording/writers.hpp"
 #include "host_sim/replay/filter_chain.hpp"
 #include "host_sim/report/report.hpp"
-#include "host_sim/summary.hpp"
+#include "host_sim/report/summary.hpp"
 
 namespace fairlead::sim {
 namespace {

@@ -8,7 +8,7 @@
 #include "host_sim/report/explorer.hpp"
 #include "host_sim/report/figures.hpp"
 #include "host_sim/report/page.hpp"
-#include "host_sim/summary.hpp"
+#include "host_sim/report/summary.hpp"
 
 namespace fairlead::sim {
 namespace {

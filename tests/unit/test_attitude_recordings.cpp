@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "fairlead/math/quat.hpp"
-#include "host_sim/allan.hpp"
 #include "host_sim/generate/random.hpp"
 #include "host_sim/replay/attitude_run.hpp"
+#include "host_sim/report/allan.hpp"
 
 namespace {
 

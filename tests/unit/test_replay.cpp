@@ -13,7 +13,7 @@
 #include "host_sim/recording/spec.hpp"
 #include "host_sim/replay/attitude_run.hpp"
 #include "host_sim/replay/curve_store.hpp"
-#include "host_sim/summary.hpp"
+#include "host_sim/report/summary.hpp"
 
 using namespace fairlead;
 using namespace fairlead::sim;

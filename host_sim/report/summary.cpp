@@ -1,4 +1,4 @@
-#include "host_sim/summary.hpp"
+#include "host_sim/report/summary.hpp"
 
 #include <algorithm>
 #include <cstdarg>

@@ -1,4 +1,4 @@
-#include "host_sim/allan.hpp"
+#include "host_sim/report/allan.hpp"
 
 #include <algorithm>
 #include <cmath>
