@@ -66,44 +66,43 @@ $(BUILD)/$(strip $(1)): $(call objects,$(2)) $(foreach a,$(3),$(BUILD)/lib$(a).a
 	$$(call step,link $(strip $(1))) $$(CXX) $$(HOST) -Wl,--start-group $$^ -Wl,--end-group $(4) -o $$@
 endef
 
-# ---- archives: the simulator's parts, the rivals of the reducer, the Linux port, the gateway
-SISL            := host_sim/study/baselines/knots/sisl.cpp
-SIM_SOURCES     := $(filter-out host_sim/sim.cpp host_sim/bench_% host_sim/study/baselines/%,$(call sources,host_sim/*.cpp host_sim/*/*.cpp)) \
-                   $(call sources,host_sim/study/baselines/filters/*.cpp host_sim/study/baselines/earlier/*.cpp)
-PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix host_sim/study/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
-# recordings alone: what reads and writes files, for programs that are not the simulator
-RECORDING_SOURCES := $(call sources,host_sim/recording/*.cpp) host_sim/recording/spec.cpp
+# ---- archives: the wings of the host simulator, the rivals of the reducer, the Linux port, the gateway
+STUDY           := host_sim/study
+SISL            := $(STUDY)/baselines/knots/sisl.cpp
+PEERS_SOURCES   := $(filter-out $(SISL),$(call sources,$(addprefix $(STUDY)/baselines/,*.cpp knots/*.cpp compress/*.cpp)))
+STUDY_SOURCES   := $(call sources,$(addprefix $(STUDY)/,experiments/*.cpp baselines/filters/*.cpp baselines/earlier/*.cpp))
+SIM             := study report replay generate recording  # what the simulator is made of, without its commands
+$(foreach wing,recording generate replay report chip_models,$(eval $(call archive,$(wing),$(call sources,host_sim/$(wing)/*.cpp))))
+$(eval $(call archive,study,$(STUDY_SOURCES)))
 PORT_SOURCES    := $(call sources,port/linux/*.cpp)
 GATEWAY_SOURCES := $(filter-out %_main.cpp,$(call sources,examples/gateway/*.cpp))
 GATEWAY_LIBS    := -lmodbus -lgpiod
-$(eval $(call archive,sim,$(SIM_SOURCES)))
-$(eval $(call archive,recording,$(RECORDING_SOURCES)))
 $(eval $(call archive,peers,$(PEERS_SOURCES)))
 $(eval $(call archive,port,$(PORT_SOURCES)))
 $(eval $(call archive,gateway,$(GATEWAY_SOURCES)))
 
 # ---- programs:      name, sources, archives, libraries
 RECORD       := examples/record/record.cpp examples/record/writer.cpp
-PEERS_TESTED := $(addprefix host_sim/study/bench_peers/,cache.cpp ours.cpp report.cpp subjects.cpp)
+PEERS_TESTED := $(addprefix $(STUDY)/bench_peers/,cache.cpp ours.cpp report.cpp subjects.cpp)
 GOOGLE_TEST  := -lgtest -lgtest_main
-$(eval $(call program,fairlead-sim,host_sim/sim.cpp,sim peers,-lz))
+$(eval $(call program,fairlead-sim,host_sim/sim.cpp $(call sources,host_sim/commands/*.cpp),$(SIM) peers,-lz))
 $(eval $(call program,fairlead-record,$(RECORD),port recording,-lgpiod))
 $(foreach p,gateway poll registers,$(eval \
-  $(call program,fairlead-$(p),examples/gateway/$(p)_main.cpp,gateway port sim,$(GATEWAY_LIBS))))
-$(eval $(call program,fairlead-live,$(call sources,examples/live/*.cpp),gateway port sim,$(GATEWAY_LIBS) -lcpp-httplib -lz))
-$(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/measure/*.cpp),gateway port sim,$(GATEWAY_LIBS)))
+  $(call program,fairlead-$(p),examples/gateway/$(p)_main.cpp,gateway port recording,$(GATEWAY_LIBS))))
+$(eval $(call program,fairlead-live,$(call sources,examples/live/*.cpp),gateway port recording report,$(GATEWAY_LIBS) -lcpp-httplib -lz))
+$(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/measure/*.cpp),gateway port recording,$(GATEWAY_LIBS)))
 $(foreach e,attitude filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
-$(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,sim))
-$(eval $(call program,bench-peers,$(call sources,host_sim/study/bench_peers/*.cpp) $(SISL),peers sim,-lsisl -lz))
-$(eval $(call program,bench-smooth,host_sim/study/bench_smooth/smooth.cpp $(call sources,host_sim/study/baselines/filters/*.cpp),,-lbenchmark))
-$(eval $(call program,bench-attitude,$(call sources,host_sim/study/bench_attitude/*.cpp host_sim/study/baselines/ahrs/*.cpp),sim))
+$(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,recording))
+$(eval $(call program,bench-peers,$(call sources,$(STUDY)/bench_peers/*.cpp) $(SISL),peers $(SIM),-lsisl -lz))
+$(eval $(call program,bench-smooth,$(STUDY)/bench_smooth/smooth.cpp $(call sources,$(STUDY)/baselines/filters/*.cpp),,-lbenchmark))
+$(eval $(call program,bench-attitude,$(call sources,$(STUDY)/bench_attitude/*.cpp $(STUDY)/baselines/ahrs/*.cpp),$(SIM)))
 $(eval $(call program,pipeline-search,tests/pipeline/search.cpp))
-ATTITUDE_TRIALS := $(addprefix host_sim/study/bench_attitude/,locks.cpp motions.cpp simulated.cpp)  # simulated devices
-$(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp) $(ATTITUDE_TRIALS),sim,$(GOOGLE_TEST)))
-$(eval $(call program,tests/port,$(call sources,tests/port/*.cpp) examples/record/writer.cpp,port sim,-lgpiod $(GOOGLE_TEST)))
-$(eval $(call program,tests/gateway,$(call sources,tests/gateway/*.cpp),gateway port sim,$(GOOGLE_TEST) $(GATEWAY_LIBS)))
-$(eval $(call program,tests/peers,$(call sources,tests/peers/*.cpp) $(PEERS_TESTED),peers sim,$(GOOGLE_TEST) -lz))
-$(eval $(call program,tests/strain,tests/recordings/strain.cpp,sim))
+ATTITUDE_TRIALS := $(addprefix $(STUDY)/bench_attitude/,locks.cpp motions.cpp simulated.cpp)  # simulated devices
+$(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp) $(ATTITUDE_TRIALS),$(SIM) chip_models,$(GOOGLE_TEST)))
+$(eval $(call program,tests/port,$(call sources,tests/port/*.cpp) examples/record/writer.cpp,port recording chip_models,-lgpiod $(GOOGLE_TEST)))
+$(eval $(call program,tests/gateway,$(call sources,tests/gateway/*.cpp),gateway port recording chip_models,$(GOOGLE_TEST) $(GATEWAY_LIBS)))
+$(eval $(call program,tests/peers,$(call sources,tests/peers/*.cpp) $(PEERS_TESTED),peers $(SIM),$(GOOGLE_TEST) -lz))
+$(eval $(call program,tests/strain,tests/recordings/strain.cpp,recording))
 
 # both versions of libgpiod, each over a fake line; version 2 by declarations of the tests' own
 GPIO_TESTS := tests/port/gpio/test_gpio.cpp tests/port/gpio/fake.cpp port/linux/gpio.cpp
@@ -117,8 +116,8 @@ $(BUILD)/count_allocations.so: tests/gateway/measure/count_allocations.c
 # the port's programs for the emulated Linux machine are linked statically
 VM_TESTS    := slave stream stub iio edges verify
 VM_PROGRAMS := $(addprefix $(BUILD)/linux_vm/bin/,$(VM_TESTS) record)
-$(foreach p,$(VM_TESTS),$(eval $(call program,linux_vm/bin/$(p),tests/linux_vm/$(p).cpp,port sim,-static -lgpiod -lz)))
-$(eval $(call program,linux_vm/bin/record,$(RECORD),port sim,-static -lgpiod -lz))
+$(foreach p,$(VM_TESTS),$(eval $(call program,linux_vm/bin/$(p),tests/linux_vm/$(p).cpp,port recording chip_models,-static -lgpiod)))
+$(eval $(call program,linux_vm/bin/record,$(RECORD),port recording,-static -lgpiod))
 
 # every public header compiles alone, strictly, without exceptions and RTTI
 LIB_HEADERS := $(call sources,lib/include/fairlead/*.hpp lib/include/fairlead/*/*.hpp)
@@ -190,9 +189,9 @@ FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=
 $(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp $(LIB_HEADERS) $(call sources,tests/fuzz/*.hpp tests/pipeline/*.hpp)
 	@mkdir -p $(@D)
 	$(call step,$<) clang++ $(BASE) -Wno-double-promotion $(FUZZ_FLAGS) $(filter %.cpp %.a,$^) $(FUZZ_LIBS) -o $@
-$(addprefix $(BUILD)/fuzz/,recording read_text read_binary read_events): $(RECORDING_SOURCES)
+$(addprefix $(BUILD)/fuzz/,recording read_text read_binary read_events): $(call sources,host_sim/recording/*.cpp)
 $(BUILD)/fuzz/config: $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp toml_parser.cpp) \
-                      $(addprefix $(BUILD)/,libgateway.a libport.a libsim.a)
+                      $(addprefix $(BUILD)/,libgateway.a libport.a librecording.a)
 $(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
 $(BUILD)/fuzz/modbus_rtu: port/linux/modbus.cpp port/linux/modbus_rtu.cpp port/linux/modbus_net.cpp port/linux/serial.cpp
 $(BUILD)/fuzz/modbus_rtu: FUZZ_LIBS := -lmodbus -lutil
@@ -202,8 +201,8 @@ STREAMS ?= 1000
 SEED    ?= 1
 pipeline-search: $(BUILD)/pipeline-search ## [compile] lead random streams through whole pipelines and judge them from the bytes (STREAMS=1000 SEED=1)
 	@$< --streams $(STREAMS) --seed $(SEED)
-mutants: $(BUILD)/libsim.a ## [build script test] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
-	@tests/mutants/mutants.py --build $(BUILD) --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
+mutants: $(SIM:%=$(BUILD)/lib%.a) ## [build script test] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
+	@tests/mutants/mutants.py --build $(BUILD) --archives '$^' --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
 fuzz: $(FUZZ_TARGETS) ## [build gateway clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
 
@@ -273,9 +272,9 @@ bench: bench-smooth ## [] time smoothing beside its rivals (also: bench-peers, c
 bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing beside gradient descent and fairing
 	$<
 bench-peers: $(BUILD)/bench-peers sim ## [peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
-	$< --page docs/peers.md --control-points host_sim/study/bench_peers/control_points.csv --sweep host_sim/study/bench_peers/sweep.csv
+	$< --page docs/peers.md --control-points $(STUDY)/bench_peers/control_points.csv --sweep $(STUDY)/bench_peers/sweep.csv
 choosing: sim ## [script] what each choice costs: rewrites the tables of docs/choosing.md (a minute)
-	@host_sim/study/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md
+	@$(STUDY)/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md
 compare: sim ## [demo] our causal filters beside their rivals, on all recordings: the tables and plot of docs/choose.md (minutes)
 	$(BUILD)/fairlead-sim compare $(wildcard $(RECORDINGS)/tracker120/*.trk) --seconds 12 --page docs/choose.md --out $(BUILD)/compare
 	@cp $(BUILD)/compare/compare_06*.svg docs/img/compare.svg
@@ -299,8 +298,8 @@ attitude-counts: ## [compile script cortex-m cortex-m-emulator] instructions of 
 .PHONY: tables
 TABLE_RECORDINGS ?= $(call sources,$(RECORDINGS)/tracker120/*.trk)
 TABLE_NOTE       ?= the 13 recordings of tracker120 (BROAD): delays 60 to 240 records, 1 to 5 mm, 0.25 to 1 deg
-tables: $(BUILD)/libsim.a $(BUILD)/librecording.a ## [build script] train the tables of symbol costs on TABLE_RECORDINGS (minutes)
-	@tests/tables/train $(BUILD) lib/include/fairlead/code/tables.hpp '$(TABLE_NOTE)' 3 $(TABLE_RECORDINGS)
+tables: $(SIM:%=$(BUILD)/lib%.a) ## [build script] train the tables of symbol costs on TABLE_RECORDINGS (minutes)
+	@tests/tables/train $(BUILD) '$^' lib/include/fairlead/code/tables.hpp '$(TABLE_NOTE)' 3 $(TABLE_RECORDINGS)
 
 ##@ The C interface (docs/c.md)
 # for the host, or for the core that the call names

@@ -12,7 +12,7 @@ until one fails. Outcomes:
 Survivors are listed with file and line. tests/mutants/explained.txt names those that change nothing that matters, each with
 its reason; they are counted apart.
 
-    tests/mutants/mutants.py --build build --flags "$(HOST flags)" [--count 300] [--seed 1] [--folders base math] [--least 0.9]
+    tests/mutants/mutants.py --build build --archives "ARCHIVE..." --flags "$(HOST flags)" [--count 300] [--seed 1] [--folders base math] [--least 0.9]
 """
 import argparse
 import collections
@@ -42,7 +42,7 @@ class Tests:
 
     def __init__(self, args):
         self.compiler = [os.environ.get("CXX", "g++"), *shlex.split(args.flags), "-g0", "-w"]
-        self.libraries = [str(args.build / "libsim.a"), "-lz", "-lgtest", "-lgtest_main"]
+        self.libraries = ["-Wl,--start-group", *args.archives, "-Wl,--end-group", "-lz", "-lgtest", "-lgtest_main"]
         self.work = args.build / "mutants"
         self.work.mkdir(parents=True, exist_ok=True)
         self.sources = sorted(p for folder in ("unit", "laws") for p in (ROOT / "tests" / folder).glob("*.cpp"))
@@ -173,6 +173,7 @@ def explained():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
+    parser.add_argument("--archives", type=str.split, required=True, help="what the tests link")
     parser.add_argument("--flags", required=True)
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)

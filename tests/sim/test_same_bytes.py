@@ -9,14 +9,14 @@ import sys
 from simulator import ROOT, main
 
 FLAGS = "-std=c++17 -ffp-contract=off -fno-math-errno".split()
-PARTS = "generate motion progress sensor_model spec".split()
+PARTS = "generate motion sensor_model".split()
 BUILDS = [(c, o) for c in ("g++", "clang++") for o in ("-O0", "-O2")]
 RECORDINGS = sys.argv[1:]
 
 
 def hashes(folder, compiler, level):
     program = folder / f"same{compiler}{level}"
-    sources = [ROOT / "tests/sim/same_bytes.cpp", *(ROOT / f"host_sim/{p}.cpp" for p in PARTS),
+    sources = [ROOT / "tests/sim/same_bytes.cpp", *(ROOT / f"host_sim/generate/{p}.cpp" for p in PARTS),
                *sorted((ROOT / "host_sim/recording").glob("*.cpp"))]
     subprocess.run([compiler, *FLAGS, level, f"-I{ROOT}/lib/include", f"-I{ROOT}", *sources,
                     "-o", program], check=True)
