@@ -273,8 +273,8 @@ bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing bes
 	$<
 bench-peers: $(BUILD)/bench-peers sim ## [peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
 	$< --page docs/peers.md --control-points $(STUDY)/bench_peers/control_points.csv --sweep $(STUDY)/bench_peers/sweep.csv
-choosing: sim ## [script] what each choice costs: rewrites the tables of docs/choosing.md (a minute)
-	@$(STUDY)/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md
+choosing: sim ## [script demo] what each choice costs: rewrites the tables and plots of docs/choosing.md (a minute)
+	@$(STUDY)/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md docs/img/choosing.svg BOUNDS.md
 compare: sim ## [demo] our causal filters beside their rivals, on all recordings: the tables and plot of docs/choose.md (minutes)
 	$(BUILD)/fairlead-sim compare $(wildcard $(RECORDINGS)/tracker120/*.trk) --seconds 12 --page docs/choose.md --out $(BUILD)/compare
 	@cp $(BUILD)/compare/compare_06*.svg docs/img/compare.svg
