@@ -24,9 +24,9 @@ fairlead::Pipeline<Board> make() { return fairlead::Pipeline<Board>{{}}; }
 
 # input, channel, events; what no function's own name or owner may say; what must be there, so that the test sees something
 CASES = [
-    ("Pose", "Position", 0, r"^(?!.*NoGate).*(BasicQuat|Rotation|rotation_|Attitude|exp\(|log\(|atan2|Event\b)", r"AxisSearch"),
-    ("Pose", "Orientation", 0, r"AxisSearch|VectorChannel|ChannelGate<.*BasicVec3|Attitude|Event\b", r"RotationSearch"),
-    ("Imu<fairlead::AttitudeMode::gyro>", "Orientation", 0, r"AxisSearch|VectorChannel|Kalman|Event\b", r"BasicAttitude"),
+    ("Pose", "Position", 0, r"^(?!.*NoGate).*(BasicQuat|Rotation|rotation_|Attitude|exp\(|log\(|atan2|Event\b)", r"Interval"),
+    ("Pose", "Orientation", 0, r"Interval|VectorChannel|ChannelGate<.*BasicVec3|Attitude|Event\b", r"Ball"),
+    ("Imu<fairlead::AttitudeMode::gyro>", "Orientation", 0, r"Interval|VectorChannel|Kalman|Event\b", r"BasicAttitude"),
 ]
 
 

@@ -44,6 +44,7 @@ inline constexpr Cost cost_limit = 60000;
 /// with room and held by the searches of make pipeline-search; not derived.
 inline constexpr float rounding = 0x1p-19f;
 inline constexpr float far_away = 1e30f;
+inline constexpr float slope_steps = 1.0f / static_cast<float>(curve::slope_unit);
 
 /// Bits of one jump between two columns of a window, at most: of so many samples, each with a part
 /// of its own, one part to the target, two parts without a value at ticks between, four codes, and
@@ -82,6 +83,26 @@ constexpr std::uint8_t code_of(std::uint8_t way, std::int32_t h) noexcept {
     return line ? static_cast<std::uint8_t>(index + curve::code::line) : index;
 }
 
+/// Rises of one component.
+struct Range {
+    float low{-far_away}, high{far_away};
+
+    constexpr void within(float l, float h) noexcept {
+        if (l > low) low = l;
+        if (h < high) high = h;
+    }
+    constexpr bool whole() const noexcept { return low <= high; }
+    /// The first and the last integer between the bounds, which are small.
+    constexpr std::int32_t first() const noexcept {
+        const auto i = static_cast<std::int32_t>(low);
+        return static_cast<float>(i) < low ? i + 1 : i;
+    }
+    constexpr std::int32_t last() const noexcept {
+        const auto i = static_cast<std::int32_t>(high);
+        return static_cast<float>(i) > high ? i - 1 : i;
+    }
+};
+
 /// A vertex must leave a way to the sample behind its column: as far as a piece bends in the time
 /// to it, in steps a tick^2.
 inline constexpr float bend_likely = 2.0f;
@@ -89,10 +110,7 @@ inline constexpr float bend_likely = 2.0f;
 /// Bounds of a rise p so that the piece behind the vertex can reach a sample: from v + p with the
 /// slope at the end of a piece of h ticks (2 p / h - s, or p / h where it is the chord's) it must
 /// come within `room` of `later` after `after` ticks. s, room and later - v in the same unit as p.
-struct Reach {
-    float low, high;
-};
-constexpr Reach reach(float s, bool chord, float h, float ahead, float after, float room) noexcept {
+constexpr Range reach(float s, bool chord, float h, float ahead, float after, float room) noexcept {
     const float turns = 1.0f / (1.0f + (chord ? 1.0f : 2.0f) * after / h);
     const float middle = chord ? ahead : ahead + s * after;
     return {(middle - room) * turns, (middle + room) * turns};
@@ -106,11 +124,59 @@ constexpr Shape shape_of(const curve::State<N>& s) noexcept {
     return s.fresh ? Shape::fresh : s.loose() ? Shape::line : Shape::quadratic;
 }
 
-/// What a column of an axis knows beside the samples up to it, in 1/1024 steps.
-struct Level {
-    float middle{};                        // where the curve is likely to be
-    float low{-far_away}, high{far_away};  // bounds of the vertex
-    float later{}, after{0};               // the sample behind it, this many ticks; 0: none
+/// Where a column is, and what surrounds it; N components, in steps against the origin.
+template <std::size_t N>
+struct Column {
+    std::size_t index{};
+    std::int32_t tick{};  // from the window's start
+    std::size_t last{};   // one behind the last sample at or before it
+    std::array<float, N> middle{};
+    bool known{};                        // middle bounds the vertex
+    std::array<float, N> later{};        // the sample behind the column,
+    float after{};                       // this many ticks; 0: none
+    bool end{};                          // the frame ends here
+    const std::array<float, N>* told{};  // at this place, if it tells where
+};
+
+/// A vertex that a column offers.
+template <std::size_t N>
+struct Vertex {
+    std::array<std::int32_t, N> s{};
+    std::array<std::int16_t, N> v{};
+    std::uint16_t cost{};
+    std::uint8_t parent_column{}, way{};  // how::...
+    std::array<std::int8_t, N> last_k{}, sign{};
+    std::uint8_t last_code{}, last_ticks{};
+};
+
+/// A piece that begins at a vertex and has no end yet.
+template <std::size_t N>
+struct Hypothesis {
+    std::array<float, N> low, high, s;  // bounds of (p - s h) / h^2; slope in steps a tick
+    std::array<std::int32_t, N> slope;
+    std::array<std::int16_t, N> v;
+    std::uint16_t cost;
+    std::uint8_t tick, column, slot;
+    std::array<std::int8_t, N> last_k, sign;
+    std::uint8_t last_code, last_ticks;
+    Shape shape;
+};
+
+/// What all vertices at the end of one piece have in common.
+template <std::size_t N>
+struct Ending {
+    curve::State<N> before{};  // what predicts its symbols
+    std::array<std::int32_t, N> predicted{};
+    std::int32_t h{};
+    Cost base{};  // of the path and of the code
+    std::uint8_t code{}, way{};
+};
+
+/// One of them.
+template <std::size_t N>
+struct Candidate {
+    Cost cost;
+    std::array<std::int32_t, N> p, k;
 };
 
 }  // namespace fairlead::reduce

@@ -10,10 +10,11 @@
 
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/curve/scale.hpp"
+#include "fairlead/reduce/ball.hpp"
 #include "fairlead/reduce/jump_walk.hpp"
-#include "fairlead/reduce/rotation_search.hpp"
 #include "fairlead/reduce/samples.hpp"
 #include "fairlead/reduce/seam.hpp"
+#include "fairlead/reduce/search.hpp"
 
 namespace fairlead::reduce {
 
@@ -210,7 +211,8 @@ class RotationChannel {
     std::uint32_t failures() const noexcept { return failures_; }
 
   private:
-    using Search = RotationSearch<Kind, BeamT, Window + 1>;
+    using Search = reduce::Search<Ball<Kind>, BeamT, Window + 1>;
+    using Column = typename Search::Column;
 
     struct Line {
         Place value{}, slope{};
@@ -337,7 +339,7 @@ class RotationChannel {
         first_samples_ = 0;
         columns_ = 0;
         told_ = far_ = false;
-        search_.seed(state_.chart, radius_);
+        search_.seed(state_.chart, radius_, 0);
     }
     /// The window begins behind the samples up to this tick.
     void mark_first(std::int32_t tick) noexcept {
@@ -397,7 +399,7 @@ class RotationChannel {
         const std::size_t jump_first = firsts_[columns_ - 1];
         const std::size_t last = samples_.count();
         firsts_[columns_] = static_cast<std::uint8_t>(last);
-        typename Search::At at;
+        Column at;
         at.index = columns_;
         at.tick = tick - start_tick_;
         at.last = last;
@@ -418,7 +420,7 @@ class RotationChannel {
     /// The last column again, as the end of a frame that tells it: what has not died since closes
     /// on the place of the grid, or a jump leads there.
     void offer_again() noexcept {
-        typename Search::At at;
+        Column at;
         at.index = columns_;
         at.tick = column_tick_ - start_tick_;
         at.last = firsts_[columns_];
@@ -430,7 +432,7 @@ class RotationChannel {
         search_.record();
     }
     /// The frame ends at the place of the grid nearest to where the samples are.
-    void tell(typename Search::At& at) noexcept {
+    void tell(Column& at) noexcept {
         const Place& y = at.middle;
         const Quat q =
             state_.anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
@@ -441,7 +443,7 @@ class RotationChannel {
         told_ = true;
     }
 
-    void middle_at(typename Search::At& at, std::int32_t tick) const noexcept {
+    void middle_at(Column& at, std::int32_t tick) const noexcept {
         at.middle = at.later;
         if (at.last == 0) return;
         at.middle = samples_.value(at.last - 1);

@@ -10,10 +10,11 @@
 
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/curve/scale.hpp"
-#include "fairlead/reduce/axis_search.hpp"
+#include "fairlead/reduce/interval.hpp"
 #include "fairlead/reduce/jump_walk.hpp"
 #include "fairlead/reduce/samples.hpp"
 #include "fairlead/reduce/seam.hpp"
+#include "fairlead/reduce/search.hpp"
 
 namespace fairlead::reduce {
 
@@ -229,9 +230,12 @@ class VectorChannel {
     std::uint32_t failures() const noexcept { return failures_; }
 
   private:
-    /// Where the samples go at the end of a window: value and slope a tick, in 1/1024 steps.
+    using Search = reduce::Search<Interval<Kind>, BeamT, Window + 1>;
+    using Column = typename Search::Column;
+
+    /// Where the samples go at the end of a window: value and slope a tick, in steps.
     struct Line {
-        Value value{}, slope{};
+        std::array<std::array<float, 1>, D> value{}, slope{};
     };
     struct Cursor {
         std::size_t axis{0}, step{0}, sample{0};
@@ -339,6 +343,9 @@ class VectorChannel {
     std::int32_t relative(std::size_t a, const Value& value) const noexcept {
         return static_cast<std::int32_t>(from_origin(a, value));
     }
+    float steps(std::size_t a, const Value& value) const noexcept {
+        return static_cast<float>(relative(a, value)) * (1.0f / curve::fine);
+    }
 
     void open_window(std::int32_t tick, std::int32_t guess) noexcept {
         start_tick_ = column_tick_ = tick;
@@ -346,7 +353,8 @@ class VectorChannel {
         columns_ = 0;
         stalled_ = false;
         column_samples_ = first_samples_ = 0;
-        for (std::size_t a = 0; a < D; ++a) search_[a].seed(state_[a], radius_, guess);
+        for (std::size_t a = 0; a < D; ++a)
+            search_[a].seed(state_[a], radius_ * (1.0f / curve::fine), guess);
     }
     void keep(const curve::Moment& at, const Value& value) noexcept {
         samples_.push(at, value);
@@ -356,7 +364,7 @@ class VectorChannel {
         if (!reaches(value)) stalled_ = true;
         if (stalled_) return;
         for (std::size_t a = 0; a < D; ++a)
-            search_[a].sample(at.tick - start_tick_, at.part, relative(a, value));
+            search_[a].sample(at.tick - start_tick_, at.part, {relative(a, value)});
     }
 
     /// A column at `tick`. later: the sample behind it that made it due, not yet kept; null where
@@ -367,12 +375,18 @@ class VectorChannel {
         column_tick_ = tick;
         ticks_[++columns_] = static_cast<std::uint8_t>(tick);
         const std::size_t last = samples_.count();
+        Column at;
+        at.index = columns_;
+        at.tick = tick - start_tick_;
+        at.last = last;
+        at.end = end;
+        if (told) at.told = &at.middle;
         for (std::size_t a = 0; a < D; ++a) {
-            AxisSearch<Kind, BeamT, Window + 1>& search = search_[a];
+            Search& search = search_[a];
             if (stalled_) continue;
-            const Level level = level_at(a, tick, later, later_value);
-            search.column(columns_, tick - start_tick_, level, end, told);
-            offer_jump(a, tick, level.middle);
+            surround(at, a, tick, later, later_value);
+            search.column(at, NewSource{*this, a});
+            offer_jump(a, tick, at.middle[0]);
             if (end)
                 search.record();
             else
@@ -382,62 +396,57 @@ class VectorChannel {
     }
 
     /// Where axis a should be at a column: at the interpolated neighbours, on the way to the later.
-    Level level_at(std::size_t a, std::int32_t tick, const curve::Moment* later,
-                   const Value* later_value) const noexcept {
-        Level level;
+    void surround(Column& column, std::size_t a, std::int32_t tick, const curve::Moment* later,
+                  const Value* later_value) const noexcept {
         const std::size_t last = samples_.count();
         const bool ahead = later != nullptr && reaches(*later_value);
-        if (last > 0) level.middle = static_cast<float>(relative(a, samples_.value(last - 1)));
+        float& middle = column.middle[0];
+        middle = last > 0 ? steps(a, samples_.value(last - 1)) : 0.0f;
+        column.known = false;
+        column.after = 0;
         if (ahead) {
-            level.later = static_cast<float>(relative(a, *later_value));
-            level.after = static_cast<float>(later->tick - tick) + later->part;
-            if (last == 0) level.middle = level.later;
+            column.later[0] = steps(a, *later_value);
+            column.after = static_cast<float>(later->tick - tick) + later->part;
+            if (last == 0) middle = column.later[0];
         }
-        if (last == 0) return level;
+        if (last == 0) return;
         const curve::Moment at = samples_.when(last - 1);
         const float gone = static_cast<float>(tick - at.tick) - at.part;
         if (gone > 0.0f) {
             if (!ahead) {  // on from the last two samples, a little way
-                if (last < 2 || gone > 0.2f || !reaches(samples_.value(last - 2))) return level;
+                if (last < 2 || gone > 0.2f || !reaches(samples_.value(last - 2))) return;
                 const curve::Moment n = samples_.when(last - 2);
                 const float apart = static_cast<float>(at.tick - n.tick) + (at.part - n.part);
-                const auto before = static_cast<float>(relative(a, samples_.value(last - 2)));
-                level.middle += (level.middle - before) * (gone / apart);
+                middle += (middle - steps(a, samples_.value(last - 2))) * (gone / apart);
             } else {
-                level.middle += (level.later - level.middle) * (gone / (gone + level.after));
+                middle += (column.later[0] - middle) * (gone / (gone + column.after));
             }
         }
-        const float r = search_[a].radius();
-        level.low = level.middle - r;
-        level.high = level.middle + r;
-        return level;
+        column.known = true;
     }
 
     /// Offers the jump from the column before, where it may be cheaper than what there is.
     void offer_jump(std::size_t a, std::int32_t tick, float middle) noexcept {
         auto& search = search_[a];
-        const auto& before = search.before();
-        const std::int32_t v = before.v;
+        curve::State<1> state = search.before_state(columns_ == 1);
         if (search.count() > 0) {
-            const float rise = middle * (1.0f / curve::fine) - static_cast<float>(v);
-            const Cost least = before.cost + jump_code_cost_min + code::tick_cost +
+            const float rise = middle - static_cast<float>(state.v[0]);
+            const Cost least = search.before_cost() + jump_code_cost_min + code::tick_cost +
                                code::jump_value_cost(static_cast<std::int32_t>(rise));
             if (search.cost() <= least) return;
         }
-        const float m = middle * (1.0f / curve::fine);
         const std::int32_t target =
-            state_[a].v[0] + static_cast<std::int32_t>(m < 0 ? m - 0.5f : m + 0.5f);
-        JumpWalk<1> walk{{v + state_[a].v[0]}, {target},        ticks_[columns_ - 1], tick,
-                         column_samples_,      samples_.count()};
-        curve::State<1> state = search.before_state(columns_ == 1);
+            state_[a].v[0] + static_cast<std::int32_t>(middle < 0 ? middle - 0.5f : middle + 0.5f);
         state.v[0] += state_[a].v[0];
+        JumpWalk<1> walk{state.v, {target},        ticks_[columns_ - 1],
+                         tick,    column_samples_, samples_.count()};
         code::Counter counter;
         curve::Piece<1> piece;
         const NewSource source{*this, a};
         for (std::size_t i = 0; i < jump_parts_max && walk.next(source, piece); ++i)
             static_cast<void>(code::code_piece<Kind>(counter, code::costs<Kind, 1>, state, piece,
                                                      piece.subs, code::End::coded));
-        search.offer_jump(walk.v()[0] - state_[a].v[0], counter.cost());
+        search.offer_jump({walk.v()[0] - state_[a].v[0]}, counter.cost());
     }
     void commit_present(std::int32_t to, Seam seam) noexcept {
         segment_.start_tick = start_tick_;
@@ -469,8 +478,8 @@ class VectorChannel {
             steps_[a][0] = {{0}, static_cast<std::uint8_t>(tick - start_tick_), how::jump};
             step_count_[a] = 1;
         } else {
-            const std::size_t best = last ? 0 : search.choose(line.value[a], line.slope[a]);
-            step_count_[a] = search.trace(best, ticks_, steps_[a]);
+            const std::size_t best = last ? 0 : search.choose(line.value[a], line.slope[a], false);
+            step_count_[a] = search.trace(best, ticks_, steps_[a], 0);
             curve::State<1> state = search.state(best);
             state.v[0] += state_[a].v[0];
             state_[a] = state;
@@ -494,22 +503,21 @@ class VectorChannel {
         const auto m = static_cast<float>(n);
         const float det = m * stt - st * st;
         for (std::size_t a = 0; a < D; ++a) {
-            const auto newest = static_cast<float>(relative(a, samples_.value(count - 1)));
+            const float newest = steps(a, samples_.value(count - 1));
             float sx = 0, stx = 0;
             for (std::size_t i = 0; i < n; ++i) {
-                const float x =
-                    static_cast<float>(relative(a, samples_.value(count - 1 - i))) - newest;
+                const float x = steps(a, samples_.value(count - 1 - i)) - newest;
                 sx += x;
                 stx += t[i] * x;
             }
-            line.slope[a] = n > 2 && det > 0.0f ? (m * stx - st * sx) / det : 0.0f;
-            line.value[a] = newest - line.slope[a] * t[0];
+            line.slope[a][0] = n > 2 && det > 0.0f ? (m * stx - st * sx) / det : 0.0f;
+            line.value[a][0] = newest - line.slope[a][0] * t[0];
         }
         return line;
     }
 
     Samples<Value, Window> samples_{};
-    std::array<AxisSearch<Kind, BeamT, Window + 1>, D> search_{};
+    std::array<Search, D> search_{};
     std::array<std::array<Step<1>, Window + 1>, D> steps_{};
     std::array<std::size_t, D> step_count_{};
     std::array<std::uint8_t, Window + 2> ticks_{};

@@ -1,0 +1,229 @@
+#pragma once
+// The search of rotations: samples are places in a chart, the tolerance is a ball.
+//
+// The running bounds hold for each component apart, so that they are necessary; before a vertex is
+// offered, the whole piece is compared with the samples in the ball of the tolerance. These
+// comparisons are the dear part: the cheapest candidates come first, and a budget a column bounds
+// them.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "fairlead/curve/rotation.hpp"
+#include "fairlead/reduce/beam.hpp"
+
+namespace fairlead::reduce {
+
+/// In lattice steps, in the chart about an anchor.
+using Place = std::array<float, 3>;
+
+template <class AKind>
+class Ball {
+  public:
+    using Kind = AKind;
+    static constexpr std::size_t components = 3;
+    using Sample = Place;
+    static constexpr int tries_max = 6;   // candidates of a hypothesis that are compared
+    static constexpr int offers_max = 3;  // of these, how many it may offer
+    static constexpr int budget = 300;    // comparisons with samples a column, once it has a child
+    static constexpr int budget_hard = 600;
+
+  protected:
+    using Open = Hypothesis<3>;
+    static constexpr Cost step_cost_min = 2 * reduce::step_cost_min;
+
+    void begin(std::int32_t) noexcept {}
+    void begin_column() noexcept { work_ = 0; }
+
+    static float from(float y, std::int16_t v) noexcept { return y - static_cast<float>(v); }
+    static float room(float radius, float, float) noexcept { return radius; }
+    /// A fresh piece is compared where it ends.
+    static bool bound_fresh(const Open&, float, const Place&, float) noexcept { return true; }
+
+    /// Offers some of the cheapest rises of the box that hold all samples.
+    template <class Search, class Source>
+    void offer(Search& search, const Open& o, const Ending<3>& ending, const Column<3>& at,
+               const Source& source) noexcept {
+        if (at.told != nullptr) {
+            offer_told(search, o, ending, at, source);
+            return;
+        }
+        Triple first, last;
+        Candidate<3> middle{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            Range range;
+            if (ending.before.fresh) {
+                const float here = static_cast<float>(o.v[a]);
+                range.within(at.middle[a] - search.radius() - here,
+                             at.middle[a] + search.radius() - here);
+            }
+            if (!search.box(o, ending, at, a, range)) return;
+            first[a] = range.first();
+            last[a] = range.last();
+            if (first[a] > last[a]) return;
+            const float half = (range.low + range.high) * 0.5f;
+            middle.p[a] = static_cast<std::int32_t>(half < 0 ? half - 0.5f : half + 0.5f);
+            if (last[a] - first[a] > 2) {
+                first[a] = middle.p[a] - 1;
+                last[a] = middle.p[a] + 1;
+            }
+        }
+        std::array<Candidate<3>, tries_max + 1> candidates;
+        int n = cheapest(search, ending, first, last, candidates);
+        if (n == tries_max) {  // none of them may fit: the middle of the bounds is likely to
+            price(middle, ending);
+            candidates[tries_max] = middle;
+            ++n;
+        }
+        int offered = 0;
+        for (int i = 0; i < n && offered < offers_max; ++i) {
+            const Candidate<3>& c = candidates[static_cast<std::size_t>(i)];
+            if (i == tries_max && offered > 0) break;
+            if (c.cost >= search.worst() || spent(search)) break;
+            const Place p{static_cast<float>(c.p[0]), static_cast<float>(c.p[1]),
+                          static_cast<float>(c.p[2])};
+            const auto child = search.make(o, ending, c);
+            if (!leads_on(child, at, search.radius()) || !fits(search, o, p, ending.h, at, source))
+                continue;
+            if (search.bounded(child)) search.place(child);
+            ++offered;
+        }
+    }
+
+  private:
+    using Triple = std::array<std::int32_t, 3>;
+
+    template <class Search>
+    bool spent(const Search& search) const noexcept {
+        return work_ > (search.count() > 0 ? budget : budget_hard);
+    }
+
+    /// The frame tells where it ends: the piece leads there.
+    template <class Search, class Source>
+    void offer_told(Search& search, const Open& o, const Ending<3>& ending, const Column<3>& at,
+                    const Source& source) noexcept {
+        Place p;
+        const auto hf = static_cast<float>(ending.h);
+        for (std::size_t a = 0; a < 3; ++a) {
+            p[a] = (*at.told)[a] - static_cast<float>(o.v[a]);
+            const float bend = (p[a] - o.s[a] * hf) / (o.shape == Shape::line ? hf : hf * hf);
+            if (o.shape != Shape::fresh && (bend < o.low[a] || bend > o.high[a])) return;
+        }
+        if (spent(search) || !fits(search, o, p, ending.h, at, source)) return;
+        auto child = search.make(o, ending, {ending.base, {}, {}});
+        for (std::size_t a = 0; a < 3; ++a)
+            child.s[a] = curve::slope_onto(o.slope[a], o.shape != Shape::quadratic, p[a], ending.h);
+        search.place(child);
+    }
+
+    static const auto& row(const Ending<3>& ending, std::size_t a, bool before) noexcept {
+        return code::costs<Kind, 3>.value[code::value_row<Kind>(ending.before, ending.code,
+                                                                ending.h, a, before)];
+    }
+
+    /// The cheapest candidates in the box, in order of cost. @return their number.
+    template <class Search>
+    static int cheapest(const Search& search, const Ending<3>& ending, const Triple& first,
+                        const Triple& last,
+                        std::array<Candidate<3>, tries_max + 1>& candidates) noexcept {
+        const Cost most = search.worst();
+        const auto& sign = ending.before.sign;
+        const std::array<const std::uint8_t(*)[code::value_symbols], 5> rows{
+            &row(ending, 0, false), &row(ending, 1, false), &row(ending, 1, true),
+            &row(ending, 2, false), &row(ending, 2, true)};
+        int n = 0;
+        Candidate<3> c;
+        for (c.p[0] = first[0]; c.p[0] <= last[0]; ++c.p[0]) {
+            c.k[0] = c.p[0] - ending.predicted[0];
+            const Cost one = ending.base + code::value_cost(*rows[0], c.k[0], sign[0]);
+            if (one >= most) continue;
+            const bool some = c.k[0] != 0;
+            for (c.p[1] = first[1]; c.p[1] <= last[1]; ++c.p[1]) {
+                c.k[1] = c.p[1] - ending.predicted[1];
+                const Cost two =
+                    one + code::value_cost(some ? *rows[2] : *rows[1], c.k[1], sign[1]);
+                if (two >= most) continue;
+                const bool any = some || c.k[1] != 0;
+                for (c.p[2] = first[2]; c.p[2] <= last[2]; ++c.p[2]) {
+                    c.k[2] = c.p[2] - ending.predicted[2];
+                    c.cost = two + code::value_cost(any ? *rows[4] : *rows[3], c.k[2], sign[2]);
+                    if (c.cost < most) n = insert(candidates, n, c);
+                }
+            }
+        }
+        return n;
+    }
+    static int insert(std::array<Candidate<3>, tries_max + 1>& all, int n,
+                      const Candidate<3>& c) noexcept {
+        int i = n;
+        if (n == tries_max) {
+            if (all[tries_max - 1].cost <= c.cost) return n;
+            i = tries_max - 1;
+        } else {
+            ++n;
+        }
+        for (; i > 0 && all[static_cast<std::size_t>(i - 1)].cost > c.cost; --i)
+            all[static_cast<std::size_t>(i)] = all[static_cast<std::size_t>(i - 1)];
+        all[static_cast<std::size_t>(i)] = c;
+        return n;
+    }
+    static void price(Candidate<3>& c, const Ending<3>& ending) noexcept {
+        c.cost = ending.base;
+        bool before = false;
+        for (std::size_t a = 0; a < 3; ++a) {
+            c.k[a] = c.p[a] - ending.predicted[a];
+            c.cost += code::value_cost(row(ending, a, before), c.k[a], ending.before.sign[a]);
+            before = before || c.k[a] != 0;
+        }
+    }
+
+    /// Does the piece that rises by p in h ticks hold all samples behind its start?
+    template <class Search, class Source>
+    bool fits(const Search& search, const Open& o, const Place& p, std::int32_t h,
+              const Column<3>& at, const Source& source) noexcept {
+        std::array<curve::Polynomial<float>, 3> c;
+        const auto hf = static_cast<float>(h);
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float ahead = o.s[a] * hf, i2 = 1.0f / (hf * hf);
+            if (o.shape == Shape::line)
+                c[a] = {p[a] / hf, 0.0f, 0.0f};
+            else if (o.shape == Shape::fresh)
+                c[a] = {o.s[a], 2.0f * (p[a] - ahead) * i2, (ahead - p[a]) * i2 / hf};
+            else
+                c[a] = {o.s[a], (p[a] - ahead) * i2, 0.0f};
+        }
+        const float limit = search.radius() * search.radius();
+        for (std::size_t i = at.last, first = source.first(o.column); i > first; --i) {
+            ++work_;
+            const curve::Moment m = source.when(i - 1);
+            const float t = static_cast<float>(m.tick - source.start_tick() - o.tick) + m.part;
+            const Place& y = source.place(i - 1);
+            float n = 0;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const float bend = o.shape == Shape::fresh ? c[a].c2 + t * c[a].c3 : c[a].c2;
+                const float e = (y[a] - static_cast<float>(o.v[a])) - t * (c[a].c1 + t * bend);
+                n += e * e;
+            }
+            if (!(n <= limit)) return false;
+        }
+        return true;
+    }
+
+    /// Does the vertex leave a way to the sample behind it?
+    template <class Child>
+    static bool leads_on(const Child& c, const Column<3>& at, float radius) noexcept {
+        if (!(at.after > 0.0f)) return true;
+        const float most = radius + bend_likely * at.after * at.after;
+        float sum = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float there =
+                static_cast<float>(c.v[a]) + static_cast<float>(c.s[a]) * slope_steps * at.after;
+            sum += (at.later[a] - there) * (at.later[a] - there);
+        }
+        return sum <= most * most;
+    }
+
+    int work_{0};
+};
+
+}  // namespace fairlead::reduce

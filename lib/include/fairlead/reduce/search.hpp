@@ -1,0 +1,358 @@
+#pragma once
+// The search of one curve: a beam over vertices, for any geometry of samples and tolerance.
+//
+// Values are in lattice steps against the origin of the window, times in ticks from its start. A
+// hypothesis at (tick, v, s) allows, for each component, rises p of a piece of h ticks with
+//     |x - v - s a - (p - s h) (a / h)^2| <= radius   for every sample x at age a,
+// so that low <= (p - s h) / h^2 <= high with running low and high. What a sample is, and which of
+// the rises in the box of these bounds are offered, is the geometry's: interval.hpp, ball.hpp.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "fairlead/reduce/beam.hpp"
+
+namespace fairlead::reduce {
+
+/// Geometry: Interval or Ball. Columns: the most that a window has.
+template <class Geometry, class BeamT, std::size_t Columns>
+class Search : private Geometry {
+    friend Geometry;
+
+  public:
+    static constexpr std::size_t n = Geometry::components;
+    static constexpr std::size_t width = BeamT::width;
+    static constexpr std::size_t open_max = BeamT::open;
+    using Sample = typename Geometry::Sample;
+    using Column = reduce::Column<n>;
+
+    /// Begins a window at a vertex that is the origin. radius: the tolerance, in steps.
+    /// @param guess the ticks at which the frame is likely to end: a fresh piece may reach it
+    void seed(const curve::State<n>& state, float radius, std::int32_t guess) noexcept {
+        radius_ = radius;
+        fresh_ = state.fresh;
+        Geometry::begin(guess);
+        Child c;
+        c.s = state.s;
+        c.last_k = state.last_k;
+        c.sign = state.sign;
+        c.last_code = state.last_code;
+        c.last_ticks = state.last_ticks;
+        column_[0] = c;
+        column_count_ = 1;
+        best_ = 0;
+        open_count_ = 0;
+        index_ = before_index_ = 0;
+        back_[0][0] = {};
+        open_child(c, 0, 0, 0);
+        open_[0].shape = shape_of(state);
+    }
+
+    /// A sample at tick + part. Hypotheses that it contradicts end.
+    void sample(std::int32_t tick, float part, const Sample& x) noexcept {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < open_count_; ++i) {
+            Open& o = open_[i];
+            const float age = static_cast<float>(tick - o.tick) + part;
+            if (age > 0.0f && !(o.shape == Shape::fresh ? Geometry::bound_fresh(o, age, x, radius_)
+                                                        : bound(o, age, x)))
+                continue;
+            if (kept != i) open_[kept] = o;
+            ++kept;
+        }
+        open_count_ = kept;
+    }
+
+    /// Offers vertices at a column; the last one again where its index is the same. Source:
+    /// when(i), place(i) and first(column) of the samples that the window has so far.
+    template <class Source>
+    void column(const Column& at, const Source& source) noexcept {
+        if (index_ != at.index) {
+            before_ = column_[0];
+            before_index_ = index_;
+            index_ = static_cast<std::uint8_t>(at.index);
+        }
+        column_count_ = 0;
+        Geometry::begin_column();
+        const Cost bound = best_ + margin_cost;
+        const bool many = open_count_ > 1;
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < open_count_; ++i) {
+            Open& o = open_[i];
+            const std::int32_t h = at.tick - o.tick;
+            if (h <= 0) continue;
+            if (many && o.cost + Geometry::step_cost_min > bound) continue;
+            if (h > curve::lengths.back() && !at.end) continue;
+            const std::uint8_t code = curve::index_of(h);
+            if (code != curve::code::none || at.end) close(o, h, code, at, source);
+            if (kept != i) open_[kept] = o;
+            ++kept;
+        }
+        open_count_ = kept;
+    }
+
+    /// Offers a jump from the column before: what is always possible. Call after column().
+    void offer_jump(const std::array<std::int32_t, n>& v, Cost jump_cost) noexcept {
+        const Cost cost = before_.cost + jump_cost;
+        if (column_count_ > 0 && cost >= column_[0].cost) return;
+        Child c;
+        for (std::size_t a = 0; a < n; ++a) c.v[a] = static_cast<std::int16_t>(v[a]);
+        c.cost = static_cast<std::uint16_t>(cost < cost_limit ? cost : cost_limit);
+        c.parent_column = before_index_;
+        c.way = how::jump;
+        c.sign = before_.sign;
+        c.last_code = curve::code::jump;
+        c.last_ticks = 1;
+        place(c);
+    }
+
+    /// Lets the children of the column grow; record() instead where the frame ends here.
+    void grow(std::int32_t tick) noexcept {
+        record();
+        for (std::size_t i = 0; i < column_count_; ++i) open_child(column_[i], tick, index_, i);
+        best_ = column_[0].cost;
+    }
+    void record() noexcept {
+        for (std::size_t i = 0; i < column_count_; ++i)
+            back_[index_][i] = {column_[i].v, column_[i].parent_column, column_[i].way};
+    }
+
+    std::size_t count() const noexcept { return column_count_; }
+    Cost cost() const noexcept { return column_count_ > 0 ? column_[0].cost : before_.cost; }
+    Cost cost_of(std::size_t i) const noexcept { return column_[i].cost; }
+    Cost before_cost() const noexcept { return before_.cost; }
+    float radius() const noexcept { return radius_; }
+    /// State at a child, v against the origin.
+    curve::State<n> state(std::size_t i) const noexcept { return state_of(column_[i], false); }
+    /// The best vertex of the column before the last one, from which a jump may lead.
+    curve::State<n> before_state(bool first) const noexcept {
+        return state_of(before_, first && fresh_);
+    }
+
+    /// Child to end the window with: the cheapest, the seam to come included. `value` and `slope`
+    /// (a tick) say where the samples go. told: the frame tells the value.
+    std::size_t choose(const std::array<float, n>& value, const std::array<float, n>& slope,
+                       bool told) const noexcept {
+        std::size_t best = 0;
+        float least = far_away;
+        for (std::size_t i = 0; i < column_count_; ++i) {
+            const Child& c = column_[i];
+            if (c.cost > column_[0].cost + margin_cost) break;
+            float seam = 0;
+            for (std::size_t a = 0; a < n; ++a) {
+                const float off = told ? 0.0f : static_cast<float>(c.v[a]) - value[a];
+                const float turn = static_cast<float>(c.s[a]) * slope_steps - slope[a];
+                const float x = (off + turn * seam_ticks) / radius_;
+                seam += x * x;
+            }
+            const float all = static_cast<float>(c.cost) + seam_weight * seam;
+            if (all < least) least = all, best = i;
+        }
+        return best;
+    }
+
+    /// Writes the pieces that lead to child i of the column, in order, from steps[from] on.
+    /// ticks: tick of each column. @return their number.
+    template <class Ticks, class Steps>
+    std::size_t trace(std::size_t i, const Ticks& ticks, Steps& steps,
+                      std::size_t from) const noexcept {
+        std::size_t count = 0;
+        for (std::size_t c = index_, s = i; c > 0 && count < Columns; ++count) {
+            const Back& b = back_[c][s];
+            c = b.column;
+            s = b.way & how::slot;
+        }
+        std::size_t at = count;
+        for (std::size_t c = index_, s = i; at > 0;) {
+            const Back& b = back_[c][s];
+            --at;
+            if (from + at < steps.size())
+                steps[from + at] = {b.v, static_cast<std::uint8_t>(ticks[c] - ticks[b.column]),
+                                    b.way};
+            c = b.column;
+            s = b.way & how::slot;
+        }
+        return count;
+    }
+
+  private:
+    using Open = Hypothesis<n>;
+    using Child = Vertex<n>;
+    struct Back {
+        std::array<std::int16_t, n> v;
+        std::uint8_t column, way;
+    };
+
+    static curve::State<n> state_of(const Child& c, bool fresh) noexcept {
+        curve::State<n> state;
+        for (std::size_t a = 0; a < n; ++a) state.v[a] = c.v[a];
+        state.s = c.s;
+        state.last_k = c.last_k;
+        state.sign = c.sign;
+        state.last_code = c.last_code;
+        state.last_ticks = c.last_ticks;
+        state.fresh = fresh;
+        return state;
+    }
+
+    bool bound(Open& o, float age, const Sample& x) const noexcept {
+        const float inverse = 1.0f / (o.shape == Shape::line ? age : age * age);
+        for (std::size_t a = 0; a < n; ++a) {
+            const float d = Geometry::from(x[a], o.v[a]), ahead = o.s[a] * age;
+            const float r = d - ahead, e = Geometry::room(radius_, d, ahead);
+            const float low = (r - e) * inverse, high = (r + e) * inverse;
+            if (low > o.low[a]) o.low[a] = low;
+            if (high < o.high[a]) o.high[a] = high;
+            if (!(o.low[a] <= o.high[a])) return false;
+        }
+        return true;
+    }
+
+    /// Offers vertices at the end of a piece of h ticks. index: of its length, or none.
+    template <class Source>
+    void close(const Open& o, std::int32_t h, std::uint8_t index, const Column& at,
+               const Source& source) noexcept {
+        const auto& costs = code::costs<typename Geometry::Kind, n>;
+        Ending<n> ending;
+        ending.h = h;
+        ending.before.fresh = o.shape == Shape::fresh;
+        ending.before.last_code = o.last_code;
+        ending.before.last_ticks = o.last_ticks;
+        ending.before.last_k = o.last_k;
+        ending.before.sign = o.sign;
+        ending.code = index;
+        ending.way = o.slot;
+        if (o.shape == Shape::line) ending.way |= how::line;
+        if (at.end) {
+            ending.code = curve::code::to_end;
+            ending.way |= how::to_end;
+        }
+        ending.base = o.cost + costs.length[code::length_row(ending.before)][ending.code];
+        if (ending.base >= worst()) return;
+        for (std::size_t a = 0; a < n; ++a)
+            ending.predicted[a] = curve::predicted_rise(o.slope[a], ending.before.fresh, h);
+        Geometry::offer(*this, o, ending, at, source);
+    }
+
+    /// The rises that are possible for component a: within its bounds, those of the column and of
+    /// what a vertex and a piece may hold. @return false: there is none.
+    bool box(const Open& o, const Ending<n>& ending, const Column& at, std::size_t a,
+             Range& range) const noexcept {
+        const bool line = o.shape == Shape::line;
+        const auto h = static_cast<float>(ending.h), here = static_cast<float>(o.v[a]);
+        if (o.shape != Shape::fresh) {
+            const float h2 = line ? h : h * h, ahead = o.s[a] * h;
+            range.low = ahead + o.low[a] * h2;
+            range.high = ahead + o.high[a] * h2;
+        }
+        if (at.known) range.within(at.middle[a] - radius_ - here, at.middle[a] + radius_ - here);
+        if (at.after > 0.0f) {
+            const Range way_on =
+                reach(o.s[a], line || o.shape == Shape::fresh, h, at.later[a] - here, at.after,
+                      radius_ + bend_likely * at.after * at.after);
+            range.within(way_on.low, way_on.high);
+        }
+        range.within(static_cast<float>(-window_steps_max) - here,
+                     static_cast<float>(window_steps_max) - here);
+        range.within(static_cast<float>(-curve::rise_max), static_cast<float>(curve::rise_max));
+        return range.whole();
+    }
+
+    Child make(const Open& o, const Ending<n>& ending, const Candidate<n>& c) const noexcept {
+        Child child;
+        for (std::size_t a = 0; a < n; ++a) {
+            const std::int32_t k = c.k[a];
+            child.v[a] = static_cast<std::int16_t>(o.v[a] + c.p[a]);
+            child.s[a] =
+                curve::slope_after(o.slope[a], o.shape != Shape::quadratic, c.p[a], ending.h);
+            child.last_k[a] = ending.before.fresh ? std::int8_t{0}
+                                                  : static_cast<std::int8_t>(k > 100    ? 100
+                                                                             : k < -100 ? -100
+                                                                                        : k);
+            child.sign[a] = k != 0 ? static_cast<std::int8_t>(k > 0 ? 1 : -1) : o.sign[a];
+        }
+        child.cost = static_cast<std::uint16_t>(c.cost < cost_limit ? c.cost : cost_limit);
+        child.parent_column = o.column;
+        child.way = ending.way;
+        child.last_code = ending.code;
+        child.last_ticks = static_cast<std::uint8_t>(ending.h);
+        return child;
+    }
+    static bool bounded(const Child& c) noexcept {
+        for (const std::int32_t s : c.s)
+            if (s > curve::slope_max || s < -curve::slope_max) return false;
+        return true;
+    }
+
+    /// What costs as much finds no place in the column.
+    Cost worst() const noexcept {
+        Cost most = cost_limit;
+        if (column_count_ == width && column_[width - 1].cost < most)
+            most = column_[width - 1].cost;
+        if (column_count_ > 0 && column_[0].cost + margin_cost < most)
+            most = column_[0].cost + margin_cost;
+        return most;
+    }
+
+    /// Puts a child into the column, sorted by cost; the same state stands there once.
+    void place(const Child& c) noexcept {
+        std::size_t at = column_count_;
+        for (std::size_t i = 0; i < column_count_; ++i) {
+            const Child& other = column_[i];
+            if (other.v != c.v || other.s != c.s || other.last_code != c.last_code) continue;
+            if (other.cost <= c.cost) return;
+            at = i;
+            break;
+        }
+        if (at == column_count_) {
+            if (column_count_ < width)
+                ++column_count_;
+            else if (column_[width - 1].cost <= c.cost)
+                return;
+            at = column_count_ - 1;
+        }
+        for (; at > 0 && column_[at - 1].cost > c.cost; --at) column_[at] = column_[at - 1];
+        column_[at] = c;
+    }
+
+    void open_child(const Child& c, std::int32_t tick, std::size_t index,
+                    std::size_t slot) noexcept {
+        if (open_count_ == open_max) {  // the dearest goes; a column's best always finds room
+            std::size_t dearest = 0;
+            for (std::size_t i = 1; i < open_count_; ++i)
+                if (open_[i].cost > open_[dearest].cost) dearest = i;
+            if (slot > 0 && open_[dearest].cost <= c.cost) return;
+            for (std::size_t i = dearest + 1; i < open_count_; ++i) open_[i - 1] = open_[i];
+            --open_count_;
+        }
+        Open& o = open_[open_count_++];
+        for (std::size_t a = 0; a < n; ++a) {
+            o.low[a] = -far_away;
+            o.high[a] = far_away;
+            o.s[a] = static_cast<float>(c.s[a]) * slope_steps;
+        }
+        o.slope = c.s;
+        o.v = c.v;
+        o.cost = c.cost;
+        o.tick = static_cast<std::uint8_t>(tick);
+        o.column = static_cast<std::uint8_t>(index);
+        o.slot = static_cast<std::uint8_t>(slot);
+        o.last_k = c.last_k;
+        o.sign = c.sign;
+        o.last_code = c.last_code;
+        o.last_ticks = c.last_ticks;
+        o.shape = c.last_code == curve::code::jump ? Shape::line : Shape::quadratic;
+    }
+
+    std::array<Open, open_max> open_{};
+    std::array<Child, width> column_{};
+    std::array<std::array<Back, width>, Columns + 1> back_{};
+    Child before_{};
+    Cost best_{0};
+    float radius_{};
+    std::size_t open_count_{0}, column_count_{0};
+    std::uint8_t index_{0}, before_index_{0};
+    bool fresh_{true};
+};
+
+}  // namespace fairlead::reduce
