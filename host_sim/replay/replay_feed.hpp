@@ -82,6 +82,17 @@ class EventFeed {
     std::size_t next_{0};
 };
 
+/// Faults of an intake that refuse a record or a channel of one.
+inline std::size_t refusals(const FaultCounts& faults) {
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < fault_kinds; ++i) {
+        const auto kind = static_cast<Fault>(i);
+        if (kind != Fault::gap && kind != Fault::new_run)
+            sum += static_cast<std::size_t>(faults[kind]);
+    }
+    return sum;
+}
+
 /// Leads every record through the chain; `note` may look at it after each call.
 template <class Chain, class Record, class Note>
 void feed(Chain& chain, const std::vector<Record>& records, const std::vector<Event>& discrete,
@@ -90,7 +101,10 @@ void feed(Chain& chain, const std::vector<Record>& records, const std::vector<Ev
     EventFeed<Chain> events{discrete, chain, result};
     for (const Record& record : records) {
         events.offer(record.t_ns);
+        const std::size_t refused_before = refusals(chain.intake().faults());
         take(sealed([&] { return chain.push(record); }), result);
+        // a record is counted once, however many of its channels are refused
+        if (refusals(chain.intake().faults()) > refused_before) ++result.refused;
         events.due();
         note();
         result.bytes_after_record.push_back(result.stream.size());
@@ -111,7 +125,6 @@ void feed(Chain& chain, const std::vector<Record>& records, const std::vector<Ev
         const auto kind = static_cast<Fault>(i);
         const auto count = static_cast<std::size_t>(faults[kind]);
         result.faults.emplace_back(to_string(kind), count);
-        if (kind != Fault::gap && kind != Fault::new_run) result.refused += count;
     }
 }
 

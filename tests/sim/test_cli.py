@@ -80,6 +80,18 @@ def test_a_run_that_refuses_much_says_so(folder):
     assert "refused" not in err, err
 
 
+def test_a_refused_record_counts_once_whatever_its_channels(folder):
+    rows = [[10 ** 9 + i * 8333333, 0.001 * i, 0, 0, 1, 0, 0, 0] for i in range(300)]
+    for bad in (50, 120, 121, 200):
+        rows[bad][1:] = ["1e9", 0, 0, 0, 0, 0, 0]  # both channels are refused
+    rows[220][1:4] = ["1e9", 0, 0]  # one of them
+    poses = folder / "refused.csv"
+    poses.write_text("t_ns,px,py,pz,qw,qx,qy,qz\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
+    summary = json.loads(must("reduce", poses, "--tol-pos", "1e-3", "--tol-rot", "0.004", "--out", folder / "s.flr",
+                              "--json"))
+    assert summary["records"] == 300 and summary["refused"] == 5, summary
+
+
 def test_decode_at_times_that_the_stream_does_not_cover(folder):
     trk, stream, late, out = generated(folder), folder / "s.flr", folder / "late.csv", folder / "d.csv"
     must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.004", "--out", stream)
