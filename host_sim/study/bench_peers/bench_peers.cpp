@@ -9,6 +9,7 @@
 #include "host_sim/study/baselines/knots/certificate.hpp"
 #include "host_sim/study/bench_peers/report.hpp"
 #include "host_sim/study/bench_peers/rotations.hpp"
+#include "host_sim/study/bench_peers/six_dof.hpp"
 
 namespace {
 
@@ -109,15 +110,18 @@ void run(const Options& options) {
     SweepSummary sweeps;
     std::vector<CellResult> results;
     std::vector<RotationResult> turned;
+    SixDof six_dof{Program{options.program, options.folder, options.reduce_arguments}};
     for_each_cell(options.recordings, options.folder + "/cut", options.only, [&](const Cell& cell) {
         std::fprintf(stderr, "%s\n", cell.label().c_str());
         results.push_back(measure(cell, options, cache, sweeps));
+        if (!options.rivals_only) six_dof.add(cell, results.back());
         if (cell.track.channel == Channel::position || cell.generated || options.rivals_only)
             return;
         const Program program{options.program, options.folder, options.reduce_arguments};
         if (const auto result = in_other_frames(cell, program)) turned.push_back(*result);
     });
-    const std::string tables = to_markdown(results) + to_markdown(turned);
+    const std::string tables =
+        to_markdown(results) + to_markdown(six_dof.results()) + to_markdown(turned);
     std::printf("%s", tables.c_str());
     write_bytes(options.folder + "/peers.json", to_json(results));
     if (!options.page.empty())

@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "host_sim/recording/writers.hpp"
+
 namespace fairlead::sim {
 namespace {
 
@@ -90,38 +92,81 @@ void say_once(const std::string& what) {
 
 }  // namespace
 
-std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay,
-                                    const Setting& setting) const {
+std::optional<std::string> Program::stream_of(const std::string& in, const Tolerances& tolerances,
+                                              std::size_t delay, const std::string& channels,
+                                              const Setting& setting) const {
     if (access(path.c_str(), X_OK) != 0) {
         say_once("no program " + path);
         return {};
     }
-    const std::string in = folder + "/cut/" + cell.file_name();
-    const std::string stream = folder + "/ours.flr", csv = folder + "/ours.csv";
-    const bool position = cell.track.channel == Channel::position;
     char limits[128];
     std::snprintf(limits, sizeof limits, " --tol-pos %.9g --tol-rot %.9g --max-delay %zu %s ",
-                  position ? cell.tolerance : 0.001, position ? 0.01 : cell.tolerance, delay,
-                  setting.arguments);
-    const auto json = output_of(quoted(path) + " reduce " + quoted(in) + limits + "--channel " +
-                                to_string(cell.track.channel) + " --out " + quoted(stream) +
-                                " --json " + extra_arguments);
-    if (!json) {
-        say_once(path + " reduce failed on " + in);
-        return {};
-    }
-    const std::size_t block = json->find(std::string{"\""} + to_string(cell.track.channel) + '"');
+                  tolerances.position_m, tolerances.orientation_rad, delay, setting.arguments);
+    auto json = output_of(quoted(path) + " reduce " + quoted(in) + limits + channels + " --out " +
+                          quoted(stream()) + " --json " + extra_arguments);
+    if (!json) say_once(path + " reduce failed on " + in);
+    return json;
+}
+
+std::optional<std::string> Program::decoded(const std::string& in, const Setting& setting) const {
+    const std::string csv = folder + "/ours.csv";
+    if (output_of(quoted(path) + " decode " + quoted(stream()) + " --at " + quoted(in) + " --out " +
+                  quoted(csv) + (setting.earlier ? " --earlier" : "")))
+        return read_bytes(csv);
+    say_once(path + " decode failed on " + stream());
+    return {};
+}
+
+std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay,
+                                    const Setting& setting) const {
+    const std::string in = folder + "/cut/" + cell.file_name();
+    const bool position = cell.track.channel == Channel::position;
+    const Tolerances tolerances{position ? cell.tolerance : 0.001,
+                                position ? 0.01 : cell.tolerance};
+    const std::string name = to_string(cell.track.channel);
+    const auto json = stream_of(in, tolerances, delay, "--channel " + name, setting);
+    if (!json) return {};
+    const std::size_t block = json->find('"' + name + '"');
     Ours ours;
     ours.bytes = static_cast<std::size_t>(number_after(*json, "bytes", 0));
     ours.control_points = static_cast<std::size_t>(number_after(*json, "control_points", block));
     ours.max_delay = number_after(*json, "max_delay_samples", block);
     ours.mean_delay = number_after(*json, "mean_delay_samples", block);
-    if (!output_of(quoted(path) + " decode " + quoted(stream) + " --at " + quoted(in) + " --out " +
-                   quoted(csv) + (setting.earlier ? " --earlier" : ""))) {
-        say_once(path + " decode failed on " + stream);
-        return {};
+    const auto csv = decoded(in, setting);
+    if (!csv) return {};
+    check(*csv, cell, ours);
+    return ours;
+}
+
+std::optional<Ours> Program::reduce_both(const Cell& position, const Cell& orientation,
+                                         std::size_t delay, const Setting& setting) const {
+    Recording recording;
+    recording.name = position.track.name;
+    recording.period_s = position.track.period_s;
+    for (std::size_t i = 0; i < position.track.size(); ++i) {
+        const double *p = position.track.at(i), *q = orientation.track.at(i);
+        Pose pose;
+        pose.t_ns = std::llround(position.track.t[i] * 1e9);
+        pose.p_w_m = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+        pose.q_wb = {static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2]),
+                     static_cast<float>(q[3])};
+        pose.flags = flag::position_valid | flag::orientation_valid;
+        recording.poses.push_back(pose);
     }
-    check(read_bytes(csv), cell, ours);
+    const std::string in = folder + "/cut/" + position.track.name + ".6dof.trk";
+    write_bytes(in, to_trk(recording));
+    const auto json =
+        stream_of(in, {position.tolerance, orientation.tolerance}, delay, "", setting);
+    if (!json) return {};
+    Ours ours;
+    ours.bytes = static_cast<std::size_t>(number_after(*json, "bytes", 0));
+    for (const char* channel : {"\"position\"", "\"orientation\""})
+        ours.max_delay =
+            std::max(ours.max_delay, number_after(*json, "max_delay_samples", json->find(channel)));
+    const auto csv = decoded(in, setting);
+    if (!csv) return {};
+    check(*csv, position, ours);
+    check(*csv, orientation, ours);
     return ours;
 }
 

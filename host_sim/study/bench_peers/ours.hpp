@@ -35,6 +35,21 @@ struct Program {
     std::string path, folder, extra_arguments;
     /// Empty where the program is absent or refuses; the reason goes to standard error once.
     std::optional<Ours> reduce(const Cell& cell, std::size_t delay, const Setting& setting) const;
+    /// Both channels of a recording in one stream; of the same records.
+    std::optional<Ours> reduce_both(const Cell& position, const Cell& orientation,
+                                    std::size_t delay, const Setting& setting) const;
+
+  private:
+    struct Tolerances {
+        double position_m{}, orientation_rad{};
+    };
+    std::string stream() const { return folder + "/ours.flr"; }
+    /// Writes the stream of a recording. @return what --json says
+    std::optional<std::string> stream_of(const std::string& in, const Tolerances& tolerances,
+                                         std::size_t delay, const std::string& channels,
+                                         const Setting& setting) const;
+    /// The stream at the times of the recording, as CSV.
+    std::optional<std::string> decoded(const std::string& in, const Setting& setting) const;
 };
 
 }  // namespace fairlead::sim
