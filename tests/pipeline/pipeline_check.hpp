@@ -21,7 +21,8 @@ struct Verdict {
     std::uint64_t pushed{0}, accepted{0}, values{0};  // values: valid channels of accepted records
     std::uint64_t violations{0}, late{0}, uncovered{0}, unknown{0}, damaged{0}, overflows{0};
     std::uint64_t bytes{0}, breaks{0}, runs{0};
-    double worst{0};  // error over tolerance
+    std::uint64_t given_up{0}, check_failures{0}, strays{0};  // the encoder's counts
+    double worst{0};                                          // error over tolerance
     std::string first;
 
     bool good() const {
@@ -32,6 +33,7 @@ struct Verdict {
         pushed += v.pushed, accepted += v.accepted, values += v.values;
         violations += v.violations, late += v.late, uncovered += v.uncovered, unknown += v.unknown;
         damaged += v.damaged, overflows += v.overflows, bytes += v.bytes, breaks += v.breaks;
+        given_up += v.given_up, check_failures += v.check_failures, strays += v.strays;
         runs += v.runs, worst = std::max(worst, v.worst);
         if (first.empty()) first = v.first;
     }
@@ -78,7 +80,11 @@ class PipelineCheck {
                 complain("uncovered", verdict_.uncovered, w.push, w.t_ns);
         for (auto& queue : waiting_) queue.clear();
         verdict_.damaged += decoder_->frame_counters().losses + decoder_->counters().nonsense;
-        verdict_.overflows += chain_->encoder().inner().overflows();
+        const auto& encoder = chain_->encoder().inner();
+        verdict_.overflows = encoder.overflows();
+        verdict_.given_up = encoder.given_up();
+        verdict_.check_failures = encoder.check_failures();
+        verdict_.strays = encoder.strays();
     }
 
   private:
@@ -120,7 +126,12 @@ class PipelineCheck {
     }
 
     void note_and_take(const Bytes& out) {
-        if (chain_->filtered()) note(*chain_->filtered());
+        if (chain_->filtered()) held_ = chain_->filtered();
+        // a record that waits until a frame has left belongs to the run that it begins
+        if (held_ && !chain_->encoder().busy()) {
+            note(*held_);
+            held_.reset();
+        }
         verdict_.bytes += out.size;
         for (const std::uint8_t byte : out)
             if (decoder_->push(byte)) drain();
@@ -241,6 +252,7 @@ class PipelineCheck {
     std::unique_ptr<Decoder> decoder_ = std::make_unique<Decoder>();
     Verdict verdict_{};
     std::deque<Sent> sent_{};
+    std::optional<Record> held_{};
     std::array<std::deque<Waiting>, 2> waiting_{};
     std::array<std::deque<Told>, dimension + 1> told_{};
     std::uint32_t runs_{0};

@@ -49,7 +49,11 @@ struct EncoderStage {
     std::optional<Output> push(const Record&) {
         return some(accepted ? encoder.push(*accepted) : encoder.idle());
     }
-    std::optional<Output> flush() { return some(encoder.flush()); }
+    std::optional<Output> flush() {
+        const Bytes bytes = encoder.flush();
+        if (bytes.empty() && bytes.status == Status::end) return std::nullopt;
+        return bytes;
+    }
 
   private:
     static std::optional<Output> some(const Bytes& bytes) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -41,19 +42,21 @@ class StreamCheck {
     explicit StreamCheck(const typename Encoder::Params& params)
         : params_{params}, encoder{params} {}
 
-    std::size_t accepted{0}, violations{0}, late{0}, uncovered{0}, pieces{0}, breaks{0};
+    std::size_t accepted{0}, violations{0}, late{0}, uncovered{0}, pieces{0}, breaks{0}, refused{0};
     double worst{0};  // error over tolerance
     std::vector<std::uint8_t> bytes;
     std::string first_fault;
 
     void push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps = 0,
               bool new_run = false) {
-        ++pushes_;
-        const std::uint16_t before = encoder.run();
         const Bytes out = encoder.push(t_ns, values, valid, gaps, new_run);
-        if (pushes_ == 1 || encoder.run() != before) ++run_;
-        for (std::size_t c = 0; c < channels; ++c)
-            if (valid >> c & 1u) waiting_[c].push_back({run_, pushes_, t_ns, values}), ++accepted;
+        if (out.status == Status::refused) {
+            ++refused;
+        } else {
+            ++pushes_;
+            held_ = Waiting{0, pushes_, t_ns, values};
+            held_valid_ = valid;
+        }
         take(out);
         settle();
         for (auto& queue : waiting_) {
@@ -62,11 +65,11 @@ class StreamCheck {
         }
     }
     void flush() {
-        take(encoder.flush());
+        let_out();
         settle();
     }
     void finish() {
-        for (int i = 0; i < 4; ++i) take(encoder.flush());
+        let_out();
         while (decoder.finish()) drain();
         settle();
         for (auto& queue : waiting_) {
@@ -102,7 +105,27 @@ class StreamCheck {
     Decoder decoder{};
 
   private:
+    void let_out() {
+        for (int calls = 0; calls < 1000; ++calls) {
+            const Bytes out = encoder.flush();
+            take(out);
+            if (out.status == Status::end) return;
+        }
+        if (late++ == 0) first_fault = "flush() never ends";
+    }
+    /// A record that the encoder took; one that waits until a frame has left belongs to the run
+    /// that it begins.
+    void admit() {
+        if (!held_ || encoder.busy()) return;
+        if (held_->push == 1 || encoder.run() != last_run_) ++run_;
+        last_run_ = encoder.run();
+        held_->run = run_;
+        for (std::size_t c = 0; c < channels; ++c)
+            if (held_valid_ >> c & 1u) waiting_[c].push_back(*held_), ++accepted;
+        held_.reset();
+    }
     void take(const Bytes& out) {
+        admit();
         for (const std::uint8_t b : out) {
             bytes.push_back(b);
             if (decoder.push(b)) drain();
@@ -167,8 +190,10 @@ class StreamCheck {
 
     std::array<std::deque<Waiting>, channels> waiting_{};
     std::array<std::vector<std::deque<Told>>, channels> told_{};
+    std::optional<Waiting> held_{};
     std::size_t pushes_{0};
-    std::uint32_t run_{0};
+    std::uint32_t run_{0}, held_valid_{0};
+    std::uint16_t last_run_{0};
 };
 
 }  // namespace fairlead::test

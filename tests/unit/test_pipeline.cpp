@@ -58,6 +58,7 @@ struct Book {
         ++idles;
         return {};
     }
+    bool busy() const { return false; }
     Bytes flush() { return ++flushes % 3 == 0 ? Bytes{nullptr, 0, Status::end} : Bytes{&byte, 1}; }
     bool push_event(const Event& event) {
         events.push_back(event);

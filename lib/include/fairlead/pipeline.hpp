@@ -26,8 +26,9 @@ namespace fairlead {
 
 /// Board: board.hpp. Codec<Board>: reduction and frames behind the filter, the encoder of this
 /// library. It has check(stream params), limits(stream params, period), a constructor (stream
-/// params, delay in records), set_period(), push(record), idle(), flush(), push_event() and
-/// reset(). Its flush() says Status::end when nothing is left.
+/// params, delay in records), set_period(), push(record), idle(), flush(), push_event(), busy() and
+/// reset(). Its flush() says Status::end when nothing is left. While it is busy() it takes no
+/// record, and idle() lets out what must leave before.
 template <class Board, template <class> class Codec>
 class BasicPipeline {
     static_assert(check_board<Board>());
@@ -62,12 +63,18 @@ class BasicPipeline {
         : BasicPipeline{check(params) ? params : Params{}, check(params)} {}
 
     /// One record. @return the frames that it completed, possibly none, valid until the next call;
-    /// status: refused (the intake's counts say why), no_valid_data (the record was accepted, but
-    /// none of the channels has a value in it: are the valid bits set?), bad_argument (inert).
+    /// status: refused (the intake's counts say why; or the encoder is busy), no_valid_data (the
+    /// record was accepted, but none of the channels has a value in it: are the valid bits set?),
+    /// bad_argument (inert).
     Bytes push(const Raw& raw) noexcept {
         filtered_.reset();
         front_out_.reset();
         if (!checked_) return inert();
+        if (encoder_.busy()) {
+            Bytes bytes = encoder_.idle();
+            bytes.status = Status::refused;
+            return bytes;
+        }
         const std::optional<Raw> accepted = intake_.push(raw);
         Bytes bytes = carry(accepted);
         if (intake_.refused()) bytes.status = Status::refused;
@@ -84,7 +91,7 @@ class BasicPipeline {
         filtered_.reset();
         front_out_.reset();
         if (!checked_) return inert();
-        return carry(intake_.idle());
+        return encoder_.busy() ? encoder_.idle() : carry(intake_.idle());
     }
 
     /// Lets out what is still inside, at the price of a push for each call. Call it until the
@@ -94,6 +101,7 @@ class BasicPipeline {
         filtered_.reset();
         front_out_.reset();
         if (!checked_) return {nullptr, 0, Status::end};
+        if (encoder_.busy()) return more(encoder_.idle());
         if (const auto last = intake_.flush()) return more(carry(last));
         if ((filtered_ = filter_.flush())) return more(encode());
         return encoder_.flush();

@@ -20,9 +20,13 @@ namespace fairlead {
 namespace detail {
 
 template <Beam beam>
-using BeamOf =
-    std::conditional_t<beam == Beam::narrow, wire::Small,
-                       std::conditional_t<beam == Beam::medium, wire::Medium, wire::Large>>;
+struct BeamSizes {
+    using Type =
+        std::conditional_t<beam == Beam::narrow, wire::Small,
+                           std::conditional_t<beam == Beam::medium, wire::Medium, wire::Large>>;
+};
+template <Beam beam>
+using BeamOf = typename BeamSizes<beam>::Type;
 
 /// A channel of a board as the wire has it: its tag, its value in a record, its bits there.
 template <class Channel, Beam beam>
@@ -112,12 +116,8 @@ class StreamEncoderOf<Board, Channels<Channel...>> {
                            (record.flags & flag::new_run) != 0);
     }
     Bytes idle() noexcept { return inner_.idle(); }
-    /// One call lets out everything.
-    Bytes flush() noexcept {
-        Bytes bytes = inner_.flush();
-        bytes.status = Status::end;
-        return bytes;
-    }
+    Bytes flush() noexcept { return inner_.flush(); }
+    bool busy() const noexcept { return inner_.busy(); }
     bool push_event(const Event& event) noexcept { return inner_.push_event(event); }
     void reset() noexcept { inner_.reset(); }
 

@@ -87,7 +87,7 @@ Reduced encoder_error(const std::vector<Records>& streams) {
             if (stage->accepted) in.push_back(*stage->accepted);
             if (const auto bytes = stage->push(record)) curves.push(*bytes);
         }
-        if (const auto bytes = stage->flush()) curves.push(*bytes);
+        while (const auto bytes = stage->flush()) curves.push(*bytes);
         curves.finish();
         double tol_m = 0, tol_rad = 0;
         if constexpr (Chosen::template has<Position>)

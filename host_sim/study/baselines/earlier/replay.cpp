@@ -61,6 +61,7 @@ class Codec {
         return encoder_->push(pose);
     }
     Bytes idle() noexcept { return encoder_->idle(); }
+    static constexpr bool busy() noexcept { return false; }
     Bytes flush() noexcept {
         Bytes bytes = encoder_->flush();
         if (bytes.empty()) bytes.status = Status::end;

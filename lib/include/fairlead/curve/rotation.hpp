@@ -27,6 +27,14 @@ struct RotationState {
     State<3> chart{};
 };
 
+constexpr bool same(const Quat& a, const Quat& b) noexcept {
+    return approx::same(a.w, b.w) && approx::same(a.x, b.x) && approx::same(a.y, b.y) &&
+           approx::same(a.z, b.z);
+}
+constexpr bool same(const RotationState& a, const RotationState& b) noexcept {
+    return same(a.anchor, b.anchor) && same(a.chart, b.chart);
+}
+
 /// A rotation in few bits: the three smaller components of the quaternion in steps of a grid, the
 /// largest is positive and follows. |n| <= grid_size(step).
 struct GridQuat {

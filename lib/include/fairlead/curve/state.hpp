@@ -70,6 +70,17 @@ struct State : History {
     constexpr void forget(bool again) noexcept { view().forget(again); }
 };
 
+/// Is it the same state, bit for bit?
+template <std::size_t N>
+constexpr bool same(const State<N>& a, const State<N>& b) noexcept {
+    bool all = a.last_code == b.last_code && a.last_ticks == b.last_ticks && a.phase == b.phase &&
+               a.fresh == b.fresh;
+    for (std::size_t c = 0; c < N; ++c)
+        all = all && a.v[c] == b.v[c] && a.s[c] == b.s[c] && a.last_k[c] == b.last_k[c] &&
+              a.sign[c] == b.sign[c];
+    return all;
+}
+
 /// One piece: its code, its duration, and what it adds to the prediction.
 template <std::size_t N>
 struct Piece {

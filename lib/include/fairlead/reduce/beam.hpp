@@ -23,6 +23,9 @@ template <std::size_t WidthN, std::size_t OpenN>
 struct Beam {
     static constexpr std::size_t width = WidthN;
     static constexpr std::size_t open = OpenN;
+    /// Part of the tolerance that the search uses, less its margin. Tests plant faults with more
+    /// than 1, and show that no frame with a fault leaves.
+    static constexpr float trust = 1.0f;
     static_assert(width >= 1 && width <= 8, "a beam keeps 1 to 8 children a column");
     static_assert(open >= 2 * width && open <= 200, "a beam needs room for two columns at least");
 };

@@ -39,6 +39,13 @@ struct Frame {
     Seam seam{};
 };
 
+/// What became of a record.
+enum class Taken : std::uint8_t {
+    kept,       // in the window
+    committed,  // and a frame was committed
+    blocked,    // not taken: a frame must end before it, and the one before has not left
+};
+
 /// Why frames ended early or curves broke; counts since the start.
 struct Counts {
     std::uint32_t frames{}, jumps{}, range{}, cost{}, gaps{}, failures{};
@@ -101,27 +108,28 @@ class Reducer {
     ///     tick, would not be before the record, it goes on
     /// @param seam how a frame that ends now should hand over; frame().seam tells what was granted
     /// @param drain called before a frame is committed while an earlier one has not been released:
-    ///     it must finish with that one
-    /// @return true: frame() was committed at this push
+    ///     it must finish with that one, or return false; then no frame is committed at this push
     template <class Drain>
-    bool push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
-              Seam seam, Drain&& drain) noexcept {
+    Taken push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
+               Seam seam, Drain&& drain) noexcept {
         const bool empty = (valid & ((1u << channel_count) - 1u)) == 0;
-        bool committed = started_ && pause(t_ns, gaps, seam, drain);
+        Taken taken = started_ ? pause(t_ns, gaps, seam, drain) : Taken::kept;
+        if (taken == Taken::blocked) return taken;
         if (empty) {
-            if (!started_) return committed;
+            if (!started_) return taken;
             count(false);
-            return committed || grow_older(t_ns, seam, drain);
+            return taken == Taken::kept ? grow_older(t_ns, seam, drain) : taken;
         }
         if (!started_) restart_grid(t_ns);
         curve::Moment at = grid_.moment(t_ns, start_);
         std::int32_t column = grid_.column(t_ns, start_);
         const Cost ahead = needs(1);
         const bool crowded = ahead > window_.cost_max;
-        if (!committed && column_ > 0 &&
+        if (taken == Taken::kept && column_ > 0 &&
             (column > frame_ticks_max || crowded || !reach(values, valid))) {
+            taken = commit(column_, seam, drain);
+            if (taken == Taken::blocked) return taken;
             if (column <= frame_ticks_max) ++(crowded ? counts_.cost : counts_.range);
-            committed = commit(column_, seam, drain);
             at = grid_.moment(t_ns, start_);
             column = grid_.column(t_ns, start_);
         }
@@ -130,7 +138,7 @@ class Reducer {
         const bool reached =
             std::any_of(due_.begin(), due_.end(), [column](std::int32_t d) { return d >= column; });
         const std::uint32_t due = take_due(column, valid);
-        const bool offers = due != 0 && !committed;
+        const bool offers = due != 0 && taken == Taken::kept;
         const bool nearly = ahead + full_soon > window_.cost_max;
         const bool long_enough = waiting_ >= window_.records || column >= usual_ticks();
         const bool end = offers && (long_enough || stalled() || nearly);
@@ -149,20 +157,44 @@ class Reducer {
             const bool later = at.tick > column || (at.tick == column && at.part > 0.0f);
             if (!reached) behind_ = later || starts ? 1 : 0;
         }
-        if (committed) return true;
+        if (taken == Taken::committed) return taken;
         const bool full = offers && needs(0) > window_.cost_max;
         if (offers && (end || full || stalled())) {
             if (full || nearly) ++counts_.cost;
-            return commit(column_, seam, drain);
+            return commit_or_keep(seam, drain);
         }
-        if (waiting_ >= window_.records && column_ > 0) return commit(column_, seam, drain);
-        return false;
+        if (waiting_ >= window_.records && column_ > 0) return commit_or_keep(seam, drain);
+        return Taken::kept;
     }
 
-    /// Ends all curves at their newest samples. @return true: frame() was committed.
+    /// Ends all curves at their newest samples.
     template <class Drain>
-    bool flush(Drain&& drain) noexcept {
-        return started_ && end_curves(for_ever, 0, Seam::carry, drain);
+    Taken flush(Drain&& drain) noexcept {
+        return started_ ? end_curves(for_ever, 0, Seam::carry, drain) : Taken::kept;
+    }
+
+    // ---- a committed frame that is not right leaves in stretches
+
+    /// Gives up its pieces.
+    void give_up() noexcept {
+        std::apply([](auto&... c) { (c.give_up(), ...); }, channels_);
+    }
+    /// The stretch behind tick `from` in which the first channel comes to so many samples.
+    Stretch stretch(std::int32_t from, std::size_t samples) const noexcept {
+        std::int32_t to = frame_.ticks;
+        std::apply(
+            [&](const auto&... c) { ((to = (std::min)(to, c.tick_of(from, samples))), ...); },
+            channels_);
+        return {from, to, to >= frame_.ticks};
+    }
+    /// The stretch up to this tick has left.
+    void drop_to(std::int32_t tick) noexcept {
+        std::apply([tick](auto&... c) { (c.drop_to(tick), ...); }, channels_);
+    }
+    /// The window of a channel begins anew, from these states.
+    template <std::size_t Index, class States>
+    void resume(const States* states) noexcept {
+        channel<Index>().resume(states, guess(behind_));
     }
 
     const Frame& frame() const noexcept { return frame_; }
@@ -231,15 +263,15 @@ class Reducer {
         return all;
     }
     /// Ends the curves of channels without a sample for longer than a curve may be, and of those in
-    /// `gaps`. @return true: a frame was committed for it.
+    /// `gaps`.
     template <class Drain>
-    bool pause(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
+    Taken pause(std::int64_t t_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
         const std::int64_t after_ns = t_ns - grid_.time_ns(start_);
         bool any = false;
         each([&](auto& c, auto index) {
             any = any || (c.active() && gone(c, after_ns, gaps >> decltype(index)::value));
         });
-        return any && end_curves(after_ns, gaps, seam, drain);
+        return any ? end_curves(after_ns, gaps, seam, drain) : Taken::kept;
     }
     /// after_ns: of the record, from the start of the frame.
     template <class Channel>
@@ -249,7 +281,8 @@ class Reducer {
         return pause_ns > window_.gap_ticks * grid_.tick_ns();
     }
     template <class Drain>
-    bool end_curves(std::int64_t after_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
+    Taken end_curves(std::int64_t after_ns, std::uint32_t gaps, Seam seam, Drain& drain) noexcept {
+        if (pending_ && !drain()) return Taken::blocked;
         bool all = true,
              part = false;  // do all curves end; has one that ends samples in the window?
         std::int32_t tick = 0;
@@ -272,7 +305,7 @@ class Reducer {
             if (c.active() && gone(c, after_ns, gaps >> decltype(index)::value)) c.stop();
         });
         if (all) started_ = false;
-        return false;
+        return Taken::kept;
     }
     /// Counts a record, with a value or without one: each sample that waits has waited for one
     /// more. Every record is counted here, once, after a frame that must end before it.
@@ -284,9 +317,9 @@ class Reducer {
     /// lies behind the last column, a frame ends at the tick behind that sample as soon as no later
     /// record can be before this tick.
     template <class Drain>
-    bool grow_older(std::int64_t t_ns, Seam seam, Drain& drain) noexcept {
+    Taken grow_older(std::int64_t t_ns, Seam seam, Drain& drain) noexcept {
         // so early that a sample behind a frame that ends for another reason can still follow
-        if (waiting_ == 0 || waiting_ + records_a_tick < window_.records) return false;
+        if (waiting_ == 0 || waiting_ + records_a_tick < window_.records) return Taken::kept;
         std::int32_t last = 1;
         each([&](const auto& c, auto) {
             if (!c.active()) return;
@@ -294,10 +327,12 @@ class Reducer {
             last = (std::max)(last, c.last_tick() + (alone ? 1 : 0));
         });
         if (last <= grid_.column(t_ns, start_)) {
+            if (pending_ && !drain()) return Taken::kept;
             behind_ = 0;
             return commit(last, seam, drain);
         }
-        return waiting_ >= window_.records && column_ > 0 && commit(column_, seam, drain);
+        const bool old = waiting_ >= window_.records && column_ > 0;
+        return old ? commit_or_keep(seam, drain) : Taken::kept;
     }
     void restart_grid(std::int64_t t_ns) noexcept {
         start_ = grid_.subs(t_ns);
@@ -307,10 +342,16 @@ class Reducer {
         started_ = true;
     }
 
+    /// Ends the frame at the newest column, behind a record that has been taken.
+    template <class Drain>
+    Taken commit_or_keep(Seam seam, Drain& drain) noexcept {
+        const Taken taken = commit(column_, seam, drain);
+        return taken == Taken::blocked ? Taken::kept : taken;
+    }
     /// Ends the frame at `tick`, behind which no channel has offered a column.
     template <class Drain>
-    bool commit(std::int32_t tick, Seam seam, Drain& drain) noexcept {
-        if (pending_) drain();
+    Taken commit(std::int32_t tick, Seam seam, Drain& drain) noexcept {
+        if (pending_ && !drain()) return Taken::blocked;
         release();
         each([&](auto& channel, auto) {
             if (channel.active()) seam = channel.close(tick, seam);
@@ -329,7 +370,7 @@ class Reducer {
         due_ = {};
         waiting_ = behind_;
         started_ = any;
-        return true;
+        return Taken::committed;
     }
 
     std::tuple<Channels...> channels_{};

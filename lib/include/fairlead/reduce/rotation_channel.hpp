@@ -11,6 +11,7 @@
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/curve/scale.hpp"
 #include "fairlead/reduce/ball.hpp"
+#include "fairlead/reduce/extent.hpp"
 #include "fairlead/reduce/jump_walk.hpp"
 #include "fairlead/reduce/samples.hpp"
 #include "fairlead/reduce/seam.hpp"
@@ -19,12 +20,7 @@
 namespace fairlead::reduce {
 
 /// What a channel says of a committed frame.
-struct RotationSegment {
-    std::int32_t start_tick{};
-    std::int32_t end_tick{};
-    bool present{};
-    bool starts{};
-    bool ends{};
+struct RotationSegment : Extent {
     curve::RotationState start{};
     curve::GridQuat start_grid{};  // start.anchor, where `starts`
     curve::GridQuat end_grid{};    // where the frame tells its end: the anchor behind it
@@ -60,7 +56,8 @@ class RotationChannel {
         step_ = static_cast<float>(scale_.step());
         full_radius_ = tolerance_rad / step_;
         // float places and anchors are off by less than 2 urad, the polynomials by 2^-20 of it
-        radius_ = full_radius_ * (1.0f - 0x1p-12f) - 2e-6f / step_;
+        check_radius_ = full_radius_ - 1.5e-6f / step_;
+        radius_ = (full_radius_ * (1.0f - 0x1p-12f) - 2e-6f / step_) * BeamT::trust;
     }
     const curve::Scale& scale() const noexcept { return scale_; }
     float step() const noexcept { return step_; }
@@ -155,6 +152,72 @@ class RotationChannel {
     // ---- the committed frame
     const Segment& segment() const noexcept { return segment_; }
     void rewind() noexcept { cursor_ = {}; }
+    std::size_t samples() const noexcept { return samples_.old_count(); }
+
+    // ---- the way on where a committed frame is not right: as in VectorChannel
+
+    /// Where the frame moved its chart, samples are in charts about different anchors: all go into
+    /// the first.
+    void give_up() noexcept {
+        whole_ = segment_;
+        cursor_ = {};
+        old_anchor_ = segment_.start.anchor;
+        Quat anchor = old_anchor_;
+        std::size_t from = 0;
+        PieceType piece;
+        for (std::size_t n = 0; n <= Window * jump_parts_max && next(0, piece); ++n) {
+            if (piece.code != curve::code::rebase) continue;
+            rechart_old(from, cursor_.sample, anchor);
+            from = cursor_.sample;
+            anchor = cursor_.state.anchor;
+        }
+        rechart_old(from, samples_.old_count(), anchor);
+    }
+    std::int32_t tick_of(std::int32_t from, std::size_t count) const noexcept {
+        return samples_.old_tick(old_count_to(0, from) + count - 1);
+    }
+    /// told: a curve that goes on ends on a place of the grid.
+    void cut(const Stretch& stretch, const curve::RotationState* now, bool told) noexcept {
+        static_cast<Extent&>(segment_) = whole_.within(stretch);
+        cursor_ = {};
+        exact_ = true;
+        if (!segment_.present) return;
+        if (!segment_.starts) segment_.start = *now;
+        const std::size_t first = old_count_to(0, segment_.start_tick);
+        const std::size_t n = old_count_to(first, segment_.end_tick);
+        const auto ticks = static_cast<std::uint8_t>(segment_.end_tick - segment_.start_tick);
+        steps_[0] = {{}, ticks, how::jump};
+        frame_steps_ = ticks > 0 ? 1 : 0;
+        frame_told_ = told && !segment_.ends;
+        const Place y = n > first ? Source<true>{*this}.place(n - 1) : Place{};
+        for (std::size_t a = 0; a < 3; ++a)
+            steps_[0].v[a] = static_cast<std::int16_t>(nearest(y[a]));
+        if (!frame_told_) return;
+        PieceType piece;  // to the end, whose place on the grid stands before the pieces
+        cursor_.state = segment_.start;
+        for (std::size_t i = 0; i <= Window * jump_parts_max && next(0, piece); ++i) continue;
+        segment_.end_grid = curve::to_grid(place_of(cursor_.state), step_);
+        cursor_ = {};
+    }
+    void drop_to(std::int32_t tick) noexcept { samples_.release_first(old_count_to(0, tick)); }
+    bool begins_at(const curve::RotationState* state) const noexcept {
+        return !segment_.present || segment_.starts || curve::same(segment_.start, *state);
+    }
+    bool goes_on() const noexcept {
+        return active_ && !starts_ && segment_.present && !segment_.ends;
+    }
+    void resume(const curve::RotationState* state, std::int32_t) noexcept {
+        if (!active_) return;
+        const Quat old = state_.anchor;
+        if (goes_on()) {
+            start_ = state_ = *state;
+            spent_ = 0;
+        }
+        const std::int32_t tick = start_tick_;  // where the chart began, which may have moved
+        open_window(tick);
+        mark_first(tick);
+        replace(old);
+    }
 
     bool next(std::size_t, PieceType& piece) noexcept {
         Cursor& c = cursor_;
@@ -241,10 +304,9 @@ class RotationChannel {
             const Source* source{};
             std::size_t first{0}, count{0};
             bool add(const Source& from, std::size_t i) noexcept {
-                const Place& y = from.place(i);
+                const Place y = from.place(i);
                 if (!some) {
-                    for (std::size_t a = 0; a < 3; ++a)
-                        v[a] = static_cast<std::int32_t>(y[a] < 0 ? y[a] - 0.5f : y[a] + 0.5f);
+                    for (std::size_t a = 0; a < 3; ++a) v[a] = nearest(y[a]);
                     some = true;
                     source = &from;
                     first = i;
@@ -270,14 +332,20 @@ class RotationChannel {
         };
         Fit fit() const noexcept {
             Fit fit;
-            fit.limit = channel.radius_ * channel.radius_;
+            const bool exact = Old && channel.exact_;
+            const float radius = exact ? channel.full_radius_ * exact_part : channel.radius_;
+            fit.limit = radius * radius;
             return fit;
         }
         curve::Moment when(std::size_t i) const noexcept {
             return Old ? channel.samples_.old_when(i) : channel.samples_.when(i);
         }
-        const Place& place(std::size_t i) const noexcept {
-            return Old ? channel.samples_.old_value(i) : channel.samples_.value(i);
+        Place place(std::size_t i) const noexcept {
+            if (!Old) return channel.samples_.value(i);
+            const Place& y = channel.samples_.old_value(i);
+            return channel.exact_
+                       ? channel.moved(channel.segment_.start.anchor, channel.old_anchor_, y)
+                       : y;
         }
         std::size_t first(std::size_t column) const noexcept { return channel.firsts_[column]; }
         std::int32_t start_tick() const noexcept { return channel.start_tick_; }
@@ -316,7 +384,7 @@ class RotationChannel {
             const float e = (y[a] - k.v[a]) - k.c[a].rise(t);
             sum += e * e;
         }
-        return sum <= full_radius_ * full_radius_;
+        return sum <= check_radius_ * check_radius_;
     }
     bool next_part(PieceType& piece) noexcept {
         Cursor& c = cursor_;
@@ -360,16 +428,31 @@ class RotationChannel {
         const curve::Moment at = samples_.when(i);
         search_.sample(at.tick - start_tick_, at.part, samples_.value(i));
     }
+    /// A place in the chart about `from`, in the chart about `to`.
+    Place moved(const Quat& to, const Quat& from, const Place& y) const noexcept {
+        const Vec3 theta{y[0] * step_, y[1] * step_, y[2] * step_};
+        return curve::place(to, from * from_rotation_vector(theta), step_);
+    }
     /// Samples of the window go into the chart about the new anchor, and are searched.
     void replace(const Quat& old_anchor) noexcept {
         for (std::size_t i = 0; i < samples_.count(); ++i) {
             if (i < first_samples_) continue;
-            const Place y = samples_.value(i);
-            const Quat q =
-                old_anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
-            samples_.value(i) = curve::place(state_.anchor, q, step_);
+            samples_.value(i) = moved(state_.anchor, old_anchor, samples_.value(i));
             bound(i);
         }
+    }
+    /// Samples [from, to) of a frame that was given up, from the chart about this anchor.
+    void rechart_old(std::size_t from, std::size_t to, const Quat& anchor) noexcept {
+        for (std::size_t i = from; i < to && !curve::same(anchor, old_anchor_); ++i)
+            samples_.old_value(i) = moved(old_anchor_, anchor, samples_.old_value(i));
+    }
+    /// The rotation at a vertex.
+    Quat place_of(const curve::RotationState& state) const noexcept {
+        return normalised(state.anchor *
+                          curve::chart_exp(curve::chart_angle(state.chart.v, step_)));
+    }
+    static std::int32_t nearest(float x) noexcept {
+        return static_cast<std::int32_t>(x < 0 ? x - 0.5f : x + 0.5f);
     }
     /// Commits the window at its last column and goes on about the vertex there; a column follows
     /// in the same push, so that a frame never ends where a chart begins. The memory for steps must
@@ -397,7 +480,7 @@ class RotationChannel {
         column_tick_ = tick;
         ticks_[++columns_] = static_cast<std::uint8_t>(tick);
         const std::size_t jump_first = firsts_[columns_ - 1];
-        const std::size_t last = samples_.count();
+        const std::size_t last = later != nullptr ? samples_.count() : samples_.count_to(tick);
         firsts_[columns_] = static_cast<std::uint8_t>(last);
         Column at;
         at.index = columns_;
@@ -477,14 +560,12 @@ class RotationChannel {
             if (search_.cost() <= least) return;
         }
         std::array<std::int32_t, 3> target;
-        for (std::size_t a = 0; a < 3; ++a)
-            target[a] =
-                static_cast<std::int32_t>(middle[a] < 0 ? middle[a] - 0.5f : middle[a] + 0.5f);
+        for (std::size_t a = 0; a < 3; ++a) target[a] = nearest(middle[a]);
         JumpWalk<3> walk{state.v, target, ticks_[columns_ - 1], tick, first, last};
         code::Counter counter;
         curve::Piece<3> piece;
         const Source<false> source{*this};
-        for (std::size_t i = 0; i < jump_parts_max && walk.next(source, piece); ++i)
+        for (std::size_t i = 0; i < jump_parts(last - first) && walk.next(source, piece); ++i)
             static_cast<void>(code::code_piece<Kind>(counter, code::costs<Kind, 3>, state, piece,
                                                      piece.subs, code::End::coded));
         search_.offer_jump(walk.v(), counter.cost());
@@ -504,6 +585,7 @@ class RotationChannel {
         frame_steps_ = step_count_;
         frame_told_ = told;
         held_ = true;
+        exact_ = false;
         step_count_ = 0;
         old_anchor_ = state_.anchor;
         state_.chart = search_.state(best);
@@ -544,20 +626,23 @@ class RotationChannel {
     curve::RotationState state_{};  // where the window began
     curve::RotationState start_{};  // where the frame began
     curve::GridQuat start_grid_{}, end_grid_{};
-    Quat end_anchor_{}, old_anchor_{};
+    Quat end_anchor_{};
+    Quat old_anchor_{};  // of the committed samples: at the frame's end, of all in a frame given up
     Place target_{};
     Segment segment_{};
+    Extent whole_{};  // of a frame that was given up
     Cursor cursor_{};
     Check check_{};
     std::uint32_t failures_{0};
     curve::Scale scale_{};
-    float step_{1}, radius_{}, full_radius_{};
+    float step_{1}, radius_{}, full_radius_{}, check_radius_{};
     curve::Moment newest_{};
     std::int32_t start_tick_{0}, frame_tick_{0}, column_tick_{0}, end_tick_{0};
     std::size_t columns_{0}, first_samples_{0}, step_count_{0}, frame_steps_{0};
     Cost spent_{0};
     bool active_{false}, starts_{false}, last_{false}, told_{false}, frame_told_{false},
-        far_{false}, held_{false};  // held: the steps are those of a committed frame
+        far_{false};
+    bool held_{false}, exact_{false};  // the steps are those of a committed frame; of one given up
 };
 
 }  // namespace fairlead::reduce

@@ -12,8 +12,9 @@ namespace fairlead::reduce {
 /// At most this many samples lie behind one column before the next is
 /// offered: two ticks of the closest spacing.
 inline constexpr std::size_t between_max = 2 * curve::subs_per_tick / curve::spacing_subs_min + 1;
-/// A jump over them has at most this many parts: a cut each, and ticks between.
-inline constexpr std::size_t jump_parts_max = 3 * between_max;
+/// A jump over n samples has at most this many parts: for each a value, and ticks between.
+constexpr std::size_t jump_parts(std::size_t n) noexcept { return 3 * (n + 2); }
+inline constexpr std::size_t jump_parts_max = jump_parts(between_max);
 /// Pushes in which a committed frame may be checked and coded.
 inline constexpr std::size_t drain_pushes = 8;
 
@@ -43,6 +44,7 @@ class Samples {
     /// Sample i of the committed frame.
     curve::Moment old_when(std::size_t i) const noexcept { return moment(slot(i)); }
     const Value& old_value(std::size_t i) const noexcept { return value_[slot(i)]; }
+    Value& old_value(std::size_t i) noexcept { return value_[slot(i)]; }
 
     /// Samples of the window that are not behind this tick.
     std::size_t count_to(std::int32_t tick) const noexcept {
@@ -65,11 +67,19 @@ class Samples {
             t = static_cast<std::uint8_t>(t - tick);
         }
     }
-    /// The committed frame has left.
-    void release() noexcept {
-        head_ = slot(old_);
-        old_ = 0;
+    /// The first tick at or behind sample i of the committed frame; INT32_MAX: there is none.
+    std::int32_t old_tick(std::size_t i) const noexcept {
+        if (i >= old_) return INT32_MAX;
+        const curve::Moment at = old_when(i);
+        return at.tick + (at.part > 0.0f ? 1 : 0);
     }
+    /// The first n samples of the committed frame have left.
+    void release_first(std::size_t n) noexcept {
+        head_ = slot(n);
+        old_ -= n;
+    }
+    /// The committed frame has left.
+    void release() noexcept { release_first(old_); }
     /// The window's samples are of no use any more.
     void drop() noexcept { count_ = 0; }
     void clear() noexcept { head_ = old_ = count_ = 0; }

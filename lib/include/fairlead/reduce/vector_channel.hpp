@@ -10,6 +10,7 @@
 
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/curve/scale.hpp"
+#include "fairlead/reduce/extent.hpp"
 #include "fairlead/reduce/interval.hpp"
 #include "fairlead/reduce/jump_walk.hpp"
 #include "fairlead/reduce/samples.hpp"
@@ -20,12 +21,7 @@ namespace fairlead::reduce {
 
 /// What a channel says of a committed frame.
 template <std::size_t D>
-struct VectorSegment {
-    std::int32_t start_tick{};  // in the frame; other than 0 only where `starts`
-    std::int32_t end_tick{};    // in the frame; before its end only where `ends`
-    bool present{};             // false: the channel has no curve in this frame
-    bool starts{};              // a new curve: slope 0, nothing known before
-    bool ends{};                // the curve ends at end_tick
+struct VectorSegment : Extent {
     std::array<curve::State<1>, D> start{};
     std::array<std::int32_t, D> end_v{};  // absolute lattice values at end_tick
 };
@@ -63,6 +59,7 @@ class VectorChannel {
         full_radius_ = static_cast<float>(steps * curve::fine);
         radius_ =
             full_radius_ * (1.0f - 0x1p-20f) - 1.0f;  // samples are rounded to 1/2, and floats
+        radius_ *= BeamT::trust;
     }
     const curve::Scale& scale() const noexcept { return scale_; }
 
@@ -79,10 +76,8 @@ class VectorChannel {
     /// A curve begins at this sample's tick. guess: ticks at which the frame is likely to end.
     void start(const curve::Moment& at, const Value& value, std::int32_t guess) noexcept {
         for (std::size_t a = 0; a < D; ++a) {
-            curve::State<1>& s = state_[a];
-            s = {};
-            const std::int64_t x = scale_.to_fine(value[a]);
-            s.v[0] = static_cast<std::int32_t>((x + curve::fine / 2) >> curve::fine_bits);
+            state_[a] = {};
+            state_[a].v[0] = nearest(value[a]);
         }
         active_ = starts_ = true;
         open_window(at.tick, guess);
@@ -169,6 +164,56 @@ class VectorChannel {
     // ---- the committed frame
     const Segment& segment() const noexcept { return segment_; }
     void rewind() noexcept { cursor_ = {}; }
+    std::size_t samples() const noexcept { return samples_.old_count(); }
+
+    // ---- the way on where a committed frame is not right: steps over its samples
+
+    /// Gives up the committed pieces; what follows is cut() into stretches.
+    void give_up() noexcept { whole_ = segment_; }
+    /// The tick at or behind the `count`-th committed sample behind tick `from`; none: INT32_MAX.
+    std::int32_t tick_of(std::int32_t from, std::size_t count) const noexcept {
+        return samples_.old_tick(old_count_to(0, from) + count - 1);
+    }
+    /// From here on next() gives the steps of a stretch of the frame, from these states on.
+    void cut(const Stretch& stretch, const curve::State<1>* now) noexcept {
+        static_cast<Extent&>(segment_) = whole_.within(stretch);
+        cursor_ = {};
+        hard_ = exact_ = true;
+        if (!segment_.present) return;
+        const std::size_t n = old_count_to(0, segment_.end_tick);
+        const bool some = n > old_count_to(0, segment_.start_tick);
+        const auto ticks = static_cast<std::uint8_t>(segment_.end_tick - segment_.start_tick);
+        for (std::size_t a = 0; a < D; ++a) {
+            if (!segment_.starts) segment_.start[a] = now[a];
+            segment_.end_v[a] = some ? nearest(samples_.old_value(n - 1)[a])  //
+                                     : segment_.start[a].v[0];
+            steps_[a][0] = {{0}, ticks, how::jump};
+            step_count_[a] = ticks > 0 ? 1 : 0;
+        }
+    }
+    /// The stretch up to this tick has left.
+    void drop_to(std::int32_t tick) noexcept { samples_.release_first(old_count_to(0, tick)); }
+    /// Does the committed frame go on from these states?
+    bool begins_at(const curve::State<1>* states) const noexcept {
+        bool all = true;
+        for (std::size_t a = 0; a < D && segment_.present && !segment_.starts; ++a)
+            all = all && curve::same(segment_.start[a], states[a]);
+        return all;
+    }
+    /// Does the window go on with a curve of the committed frame?
+    bool goes_on() const noexcept {
+        return active_ && !starts_ && segment_.present && !segment_.ends;
+    }
+    /// The window begins anew: where it goes on with a curve of the frame from these states, else
+    /// from its own. Its samples are searched again.
+    void resume(const curve::State<1>* states, std::int32_t guess) noexcept {
+        if (!active_) return;
+        for (std::size_t a = 0; a < D && goes_on(); ++a) state_[a] = states[a];
+        open_window(start_tick_, guess);
+        column_samples_ = first_samples_ = samples_.count_to(start_tick_);
+        for (std::size_t i = 0; i < samples_.count(); ++i)
+            bound(samples_.when(i), samples_.value(i));
+    }
 
     /// The next piece of axis `axis` in coding order; false behind the last one. Axes one after the
     /// other, from axis 0.
@@ -262,7 +307,8 @@ class VectorChannel {
         bool add(std::size_t i) noexcept {
             const Value& value = old ? channel.samples_.old_value(i) : channel.samples_.value(i);
             const std::int64_t x = channel.scale_.to_fine(value[axis]);
-            const auto e = static_cast<std::int64_t>(channel.radius_);
+            const auto e = static_cast<std::int64_t>(
+                old && channel.exact_ ? channel.full_radius_ * exact_part : channel.radius_);
             const std::int64_t l = x - e > low ? x - e : low, h = x + e < high ? x + e : high;
             if (ceiling(l) > (h >> curve::fine_bits)) return false;
             low = l;
@@ -320,9 +366,14 @@ class VectorChannel {
             static_cast<float>(k.v - v), k.piece.subs / curve::subs_per_tick);
         const std::int64_t x = scale_.to_fine(samples_.old_value(k.sample)[k.axis]);
         const auto d = static_cast<float>(x - v * curve::fine);
-        const float rise = c.rise(behind(k.from)) * static_cast<float>(curve::fine);
-        const float slack = (approx::absolute(d) + approx::absolute(rise)) * rounding;
-        return approx::absolute(d - rise) <= full_radius_ + slack;
+        const float t = behind(k.from), fine = static_cast<float>(curve::fine);
+        const float rise = c.rise(t) * fine;
+        // what floats lose here, in 2^-21 of the numbers involved, and the rounding of the sample
+        // to 1/2: the search keeps back more than that for the same
+        const float terms =
+            approx::absolute(c.c1) + t * (approx::absolute(c.c2) + t * approx::absolute(c.c3));
+        const float lost = (approx::absolute(d) + t * terms * fine) * (rounding * 0.25f) + 0.6f;
+        return approx::absolute(d - rise) + lost <= full_radius_;
     }
     bool next_part(std::size_t axis, PieceType& piece) noexcept {
         if (!cursor_.walk.next(OldSource{*this, axis}, piece)) return false;
@@ -337,6 +388,10 @@ class VectorChannel {
         return i;
     }
 
+    std::int32_t nearest(float value) const noexcept {
+        return static_cast<std::int32_t>((scale_.to_fine(value) + curve::fine / 2) >>
+                                         curve::fine_bits);
+    }
     std::int64_t from_origin(std::size_t a, const Value& value) const noexcept {
         return scale_.to_fine(value[a]) - std::int64_t{state_[a].v[0]} * curve::fine;
     }
@@ -367,6 +422,10 @@ class VectorChannel {
             search_[a].sample(at.tick - start_tick_, at.part, {relative(a, value)});
     }
 
+    /// Samples that are not behind a column. later: as for offer(); all others are before it.
+    std::size_t samples_to(std::int32_t tick, const curve::Moment* later) const noexcept {
+        return later != nullptr ? samples_.count() : samples_.count_to(tick);
+    }
     /// A column at `tick`. later: the sample behind it that made it due, not yet kept; null where
     /// the newest sample is at or before the tick, or none is known.
     void offer(std::int32_t tick, bool end, bool told, const curve::Moment* later,
@@ -374,7 +433,7 @@ class VectorChannel {
         if (columns_ >= Window + 1) return;
         column_tick_ = tick;
         ticks_[++columns_] = static_cast<std::uint8_t>(tick);
-        const std::size_t last = samples_.count();
+        const std::size_t last = samples_to(tick, later);
         Column at;
         at.index = columns_;
         at.tick = tick - start_tick_;
@@ -386,7 +445,7 @@ class VectorChannel {
             if (stalled_) continue;
             surround(at, a, tick, later, later_value);
             search.column(at, NewSource{*this, a});
-            offer_jump(a, tick, at.middle[0]);
+            offer_jump(a, tick, last, at.middle[0]);
             if (end)
                 search.record();
             else
@@ -398,7 +457,7 @@ class VectorChannel {
     /// Where axis a should be at a column: at the interpolated neighbours, on the way to the later.
     void surround(Column& column, std::size_t a, std::int32_t tick, const curve::Moment* later,
                   const Value* later_value) const noexcept {
-        const std::size_t last = samples_.count();
+        const std::size_t last = column.last;
         const bool ahead = later != nullptr && reaches(*later_value);
         float& middle = column.middle[0];
         middle = last > 0 ? steps(a, samples_.value(last - 1)) : 0.0f;
@@ -426,7 +485,7 @@ class VectorChannel {
     }
 
     /// Offers the jump from the column before, where it may be cheaper than what there is.
-    void offer_jump(std::size_t a, std::int32_t tick, float middle) noexcept {
+    void offer_jump(std::size_t a, std::int32_t tick, std::size_t last, float middle) noexcept {
         auto& search = search_[a];
         curve::State<1> state = search.before_state(columns_ == 1);
         if (search.count() > 0) {
@@ -438,12 +497,12 @@ class VectorChannel {
         const std::int32_t target =
             state_[a].v[0] + static_cast<std::int32_t>(middle < 0 ? middle - 0.5f : middle + 0.5f);
         state.v[0] += state_[a].v[0];
-        JumpWalk<1> walk{state.v, {target},        ticks_[columns_ - 1],
-                         tick,    column_samples_, samples_.count()};
+        JumpWalk<1> walk{state.v, {target}, ticks_[columns_ - 1], tick, column_samples_, last};
         code::Counter counter;
         curve::Piece<1> piece;
         const NewSource source{*this, a};
-        for (std::size_t i = 0; i < jump_parts_max && walk.next(source, piece); ++i)
+        const std::size_t most = jump_parts(last - column_samples_);
+        for (std::size_t i = 0; i < most && walk.next(source, piece); ++i)
             static_cast<void>(code::code_piece<Kind>(counter, code::costs<Kind, 1>, state, piece,
                                                      piece.subs, code::End::coded));
         search.offer_jump({walk.v()[0] - state_[a].v[0]}, counter.cost());
@@ -455,6 +514,7 @@ class VectorChannel {
         segment_.ends = last_;
         segment_.start = state_;
         hard_ = stalled_;
+        exact_ = false;
         const Line line = trend(to);
         const std::size_t n = samples_.count_to(to);
         for (std::size_t a = 0; a < D; ++a) commit_axis(a, to, n, line, last_);
@@ -468,12 +528,12 @@ class VectorChannel {
         auto& search = search_[a];
         if (stalled_) {  // one jump from the start of the window, of any size
             const Value& newest = samples_.value(samples_.count() - 1);
-            const auto target = static_cast<std::int32_t>(
-                (scale_.to_fine(newest[a]) + curve::fine / 2) >> curve::fine_bits);
-            JumpWalk<1> walk{state_[a].v, {target}, start_tick_, tick, first_samples_, samples};
+            JumpWalk<1> walk{state_[a].v, {nearest(newest[a])}, start_tick_,
+                             tick,        first_samples_,       samples};
             curve::Piece<1> piece;
             const NewSource source{*this, a};
-            for (std::size_t i = 0; i < jump_parts_max && walk.next(source, piece); ++i)
+            const std::size_t most = jump_parts(samples - first_samples_);
+            for (std::size_t i = 0; i < most && walk.next(source, piece); ++i)
                 static_cast<void>(curve::step(state_[a], piece));
             steps_[a][0] = {{0}, static_cast<std::uint8_t>(tick - start_tick_), how::jump};
             step_count_[a] = 1;
@@ -523,6 +583,7 @@ class VectorChannel {
     std::array<std::uint8_t, Window + 2> ticks_{};
     std::array<curve::State<1>, D> state_{};  // where the window began; v is its origin
     Segment segment_{};
+    Extent whole_{};  // of a frame that was given up
     Cursor cursor_{};
     Check check_{};
     curve::Scale scale_{};
@@ -531,7 +592,8 @@ class VectorChannel {
     std::int32_t start_tick_{0}, column_tick_{0}, end_tick_{0};
     std::size_t columns_{0}, column_samples_{0}, first_samples_{0};
     std::uint32_t failures_{0};
-    bool active_{false}, starts_{false}, stalled_{false}, last_{false}, hard_{false};
+    bool active_{false}, starts_{false}, stalled_{false}, last_{false}, hard_{false},
+        exact_{false};  // hard: a step of any size; exact: of a frame that was given up
 };
 
 }  // namespace fairlead::reduce

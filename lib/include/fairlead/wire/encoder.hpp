@@ -4,6 +4,12 @@
 // A frame that the reducer has committed is compared with its samples, and then coded, in portions
 // over the next `spare` pushes: no push does all the work of a frame. What of the delay remains is
 // the reducer's window. Header frames and event frames leave before data frames of the same push.
+//
+// A frame whose check fails, or that does not fit into its bytes, never leaves. Its time leaves as
+// steps instead (reduce/jump_walk.hpp), which hold any samples: one stretch of it a call, as many
+// samples as fit, so that each sample is still in time. The reducer's window then begins anew from
+// where the decoder is. While such stretches wait, no frame is committed: a record that needs one
+// waits too, and later ones are refused (Status::refused) until it has been taken.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -121,27 +127,23 @@ class Encoder {
     /// A record at t_ns: values of the channels whose bit in `valid` is set; `gaps`: channels whose
     /// curve must not go on over what is before. Times of a run rise by limits().spacing_min_ns at
     /// least; new_run: t_ns has nothing to do with the times before. @return whole frames, if any.
+    /// status: refused: busy(), and the record was not taken.
     Bytes push(std::int64_t t_ns, const Values& values, std::uint32_t valid, std::uint32_t gaps,
                bool new_run) noexcept {
         size_ = 0;
         if (!good_) return {nullptr, 0, Status::bad_argument};
-        // a time that does not rise has nothing to do with those before, whatever the flags say
-        const bool rises = t_ns > now_ns_;
-        if (new_run || !running_ || !rises || reducer_.ended_behind(t_ns)) begin_run(t_ns);
-        const reduce::Seam seam = seam_at(t_ns);
-        const auto drain = [this] { finish_frame(); };
-        const bool committed = reducer_.push(t_ns, values, valid, gaps, seam, drain);
-        now_ns_ = t_ns;
-        if (committed)
-            open_frame();
-        else if (coding_ && ++waited_ >= spare_)
-            finish_frame();
-        else if (coding_)
-            work_on_frame();
-        if (coding_ && spare_ == 0) finish_frame();
+        const bool was_busy = busy();
+        if (was_busy)
+            go_on();
+        else
+            take({t_ns, values, valid, gaps, new_run});
         let_out_events(size_ > 0 ? 0 : params_.event_delay_records);
-        return bytes();
+        Bytes out = bytes();
+        if (was_busy) out.status = Status::refused;
+        return out;
     }
+    /// A record waits until a frame has left whose check failed: the next one would be refused.
+    bool busy() const noexcept { return waits_; }
     /// An event of a discrete channel; it leaves with the next record, at most event_delay_records
     /// later. @return false: Events of them wait already, and it is not taken.
     bool push_event(const Event& event) noexcept { return good_ && events_.push(event); }
@@ -149,21 +151,25 @@ class Encoder {
     Bytes idle() noexcept {
         size_ = 0;
         if (!good_) return {nullptr, 0, Status::bad_argument};
+        if (waits_ || exact_) go_on();
         let_out_events(params_.event_delay_records);
         return bytes();
     }
-    /// Lets everything out; what comes later starts new curves. Where it comes within a tick, it
-    /// begins a new run.
+    /// Lets everything out, with the work of a push for each call: call it until the status is
+    /// Status::end; a call may give no bytes. What comes later starts new curves. Where it comes
+    /// within a tick, it begins a new run.
     Bytes flush() noexcept {
         size_ = 0;
-        if (!good_) return {nullptr, 0, Status::bad_argument};
-        end_curves();
+        if (!good_) return {nullptr, 0, Status::end};
+        const bool more = flush_some();
         let_out_events(0);
-        return bytes();
+        Bytes out = bytes();
+        out.status = more ? Status::ok : Status::end;
+        return out;
     }
     /// Forgets what has not left; the next record begins a new run.
     void reset() noexcept {
-        coding_ = running_ = false;
+        coding_ = running_ = exact_ = waits_ = false;
         size_ = 0;
     }
     /// The sample period of runs that begin from now on.
@@ -181,6 +187,10 @@ class Encoder {
     std::uint32_t check_failures() const noexcept {
         return failures(std::index_sequence_for<Channels...>{});
     }
+    /// Frames that began where the decoder is not: never.
+    std::uint32_t strays() const noexcept { return strays_; }
+    /// Frames for which steps left, for one of these reasons.
+    std::uint32_t given_up() const noexcept { return given_up_; }
     std::uint32_t refused_events() const noexcept { return events_.refused(); }
     std::uint16_t run() const noexcept { return run_; }
 
@@ -214,6 +224,31 @@ class Encoder {
     static_assert(8 * payload_max > overhead_bits(false) + first_bits + column_bits,
                   "the channels are too many for a frame");
 
+    /// Bits of a stretch with the fewest samples, at most. All samples of a channel lie in its last
+    /// tick then, `most` of them. From the stretch's start a step of a track leads to the first cut
+    /// between two of them: a value, and as many parts without one as 250 ticks need; then one part
+    /// for each sample and one to the end, within the tick. A code stands where a part begins on a
+    /// whole tick; behind the first it is that of a jump behind a jump.
+    static constexpr std::size_t exact_bits(std::size_t components, std::size_t value_bits,
+                                            const std::uint8_t* jump_row) noexcept {
+        constexpr std::size_t most = 64 / curve::spacing_subs_min + 1;
+        constexpr std::size_t long_parts = 250 / (curve::gap_ticks_max + 1) + 1;
+        constexpr std::size_t duration = code::other_duration_cost / 16 + 1;
+        const std::size_t codes =
+            code::cost_max / 16 + (long_parts * jump_row[curve::code::jump] + 15) / 16;
+        return (most + 1) * components * (5 + value_bits) + long_parts * components * 5 +
+               (most + 1 + long_parts) * duration + codes;
+    }
+    // values differ by less than 2^26 steps, places in a chart by less than 2^17
+    static constexpr std::size_t exact_stretch_bits =
+        axes * exact_bits(1, 26, code::costs<Kind, 1>.length[curve::code::jump]) +
+        rotations * exact_bits(3, 17, code::costs<Kind, 3>.length[curve::code::jump]);
+    // such a frame tells no ends of vectors; where curves start, none tells its state before
+    static constexpr std::size_t exact_overhead_bits =
+        (std::max)(overhead_bits(true), 85 + 30 * channel_count + start_bits);
+    static_assert(8 * payload_max >= exact_overhead_bits + exact_stretch_bits,
+                  "a frame that is given up has a way on");
+
     template <std::size_t... Index>
     void configure(std::index_sequence<Index...>) noexcept {
         (reducer_.template channel<Index>().configure(params_.tolerance[Index]), ...);
@@ -228,10 +263,47 @@ class Encoder {
         reducer_.configure(window);
     }
 
+    struct Record {
+        std::int64_t t_ns;
+        Values values;
+        std::uint32_t valid, gaps;
+        bool new_run;
+    };
+    /// Takes a record; where a frame must leave before it can be taken, the record waits.
+    void take(const Record& r) noexcept {
+        // a time that does not rise has nothing to do with those before, whatever the flags say
+        const bool rises = r.t_ns > now_ns_;
+        if (r.new_run || !running_ || !rises || reducer_.ended_behind(r.t_ns)) {
+            if (running_ && !end_curves()) return wait(r);
+            begin_run(r.t_ns);
+        }
+        const auto drain = [this] { return finish_frame(); };
+        const reduce::Taken taken =
+            reducer_.push(r.t_ns, r.values, r.valid, r.gaps, seam_at(r.t_ns), drain);
+        if (taken == reduce::Taken::blocked) return wait(r);
+        now_ns_ = r.t_ns;
+        if (taken == reduce::Taken::committed)
+            open_frame();
+        else if (coding_ && ++waited_ >= spare_)
+            finish_frame();
+        else if (coding_)
+            work_on_frame();
+        if (coding_ && !exact_ && spare_ == 0) finish_frame();
+    }
+    void wait(const Record& r) noexcept {
+        waiting_ = r;
+        waits_ = true;
+    }
+    /// Lets out a stretch; takes the record that waits as soon as nothing else does.
+    void go_on() noexcept {
+        if (!finish_frame() || !waits_ || size_ > 0) return;
+        waits_ = false;
+        take(waiting_);
+    }
+
     // ---- runs
 
     void begin_run(std::int64_t t_ns) noexcept {
-        if (running_) end_curves();
         running_ = true;
         ++run_;
         grid_ = curve::Grid::of_period(t_ns, period_ns_);
@@ -258,13 +330,13 @@ class Encoder {
     }
     template <std::size_t... Index>
     void describe(StreamShape& shape, std::index_sequence<Index...>) noexcept {
-        const auto one = [&](auto index, bool rotates, std::size_t count) {
+        const auto one = [&](auto index, bool turns, std::size_t count) {
             constexpr std::size_t i = decltype(index)::value;
             ChannelShape& c = shape.channel[i];
             const curve::Scale scale = reducer_.template channel<i>().scale();
-            c.type = rotates ? ChannelType::orientation : ChannelType::vector;
+            c.type = turns ? ChannelType::orientation : ChannelType::vector;
             c.kind = Kind::id;
-            c.axes = static_cast<std::uint8_t>(rotates ? 3 : count);
+            c.axes = static_cast<std::uint8_t>(turns ? 3 : count);
             c.step.fill(scale);
             const float ratio = params_.tolerance[i] / static_cast<float>(scale.step()) * 32768.0f;
             c.tolerance = static_cast<std::uint16_t>(ratio < 65534.0f ? ratio + 1.0f : 65535.0f);
@@ -303,37 +375,50 @@ class Encoder {
 
     void open_frame() noexcept {
         const reduce::Frame& frame = reducer_.frame();
-        auto& coder = writer_.prepare();
-        prepare(coder, frame.ticks, std::index_sequence_for<Channels...>{});
-        FrameHead head;
-        head.start = frame.start_subs;
-        head.end = frame.start_subs + std::int64_t{frame.ticks} * sub_per_tick;
-        head.restart = frame.seam != reduce::Seam::carry && frame.ticks > 0;
-        coded_ = writer_.open(head);
         coding_ = true;
-        checked_ = false;
+        checked_ = exact_ = false;
         waited_ = 0;
+        if (!begins_right(std::index_sequence_for<Channels...>{})) {
+            ++strays_;
+            return leave_as_steps();
+        }
+        coded_ = open_stretch({0, frame.ticks, true}, frame.seam != reduce::Seam::carry);
     }
-    template <class Coder, std::size_t... Index>
-    void prepare(Coder& coder, std::int32_t ticks, std::index_sequence<Index...>) noexcept {
+    /// Opens a frame for a stretch of the committed one.
+    bool open_stretch(const reduce::Stretch& stretch, bool restart) noexcept {
+        prepare(stretch, std::index_sequence_for<Channels...>{});
+        FrameHead head;
+        const std::int64_t start = reducer_.frame().start_subs;
+        head.start = start + std::int64_t{stretch.from} * sub_per_tick;
+        head.end = start + std::int64_t{stretch.to} * sub_per_tick;
+        head.restart = restart && head.end > head.start;
+        return writer_.open(head);
+    }
+    template <std::size_t... Index>
+    void prepare(const reduce::Stretch& stretch, std::index_sequence<Index...>) noexcept {
+        auto& coder = writer_.prepare();
+        const std::int32_t ticks = stretch.to - stretch.from;
         std::size_t axis = 0, rotation = 0;
         const auto one = [&](auto index) {
             constexpr std::size_t i = decltype(index)::value;
             using Tag = std::tuple_element_t<i, std::tuple<Channels...>>;
-            const auto& s = reducer_.template channel<i>().segment();
+            const auto& channel = reducer_.template channel<i>();
+            const auto& s = channel.segment();
             ChannelFrame& frame = coder.channel[i];
             frame.present = s.present;
             frame.starts = s.present && s.starts;
             frame.goes_on = s.present && !s.ends;
             const bool live = (writer_.states.live >> i & 1u) != 0;
-            if (live && !s.present &&
-                ticks == 0) {  // a frame for a single sample of another channel
+            if (live && !s.present && ticks == 0 && channel.active() && !channel.starts()) {
+                // a frame for a single sample of another channel, while this curve goes on
                 frame.present = frame.goes_on = true;
             } else {
                 frame.over = live && (!s.present || s.starts);
             }
-            frame.start_tick = static_cast<std::uint8_t>(s.start_tick);
-            frame.end_tick = static_cast<std::uint8_t>(s.present && s.ends ? s.end_tick : ticks);
+            frame.start_tick =
+                static_cast<std::uint8_t>(s.present ? s.start_tick - stretch.from : 0);
+            frame.end_tick =
+                static_cast<std::uint8_t>(s.present && s.ends ? s.end_tick - stretch.from : ticks);
             if constexpr (Tag::rotations > 0) {
                 writer_.first.grid[rotation] = s.start_grid;
                 coder.told.grid[rotation] = s.end_grid;
@@ -347,23 +432,23 @@ class Encoder {
             }
         };
         (one(std::integral_constant<std::size_t, Index>{}), ...);
-        if constexpr (rotations > 0) keep_grids(coder);
+        if constexpr (rotations > 0) tell_grids(coder);
     }
     /// An independent frame tells at its start the grid on which the frame before ended.
     template <class Coder>
-    void keep_grids(Coder& coder) noexcept {
+    void tell_grids(const Coder& coder) noexcept {
         for (std::size_t c = 0; c < channel_count; ++c) {
             const TrackRange& range = writer_.layout().channel[c];
-            if (!range.rotates) continue;
-            if (header_.shape.timing.independent && !coder.channel[c].starts)
+            if (range.rotates && header_.shape.timing.independent && !coder.channel[c].starts)
                 writer_.first.grid[range.first] = grids_[range.first];
-            grids_[range.first] = coder.told.grid[range.first];
         }
     }
     /// A portion of the work: half of the pushes compare, the others code.
     void work_on_frame() noexcept {
-        if (!checked_)
-            check_frame(window_max * 2 / spare_ + 1);
+        if (exact_)
+            static_cast<void>(let_out_stretch());
+        else if (!checked_)
+            check_frame(window_max * 2 / (spare_ > 0 ? spare_ : 2) + 1);
         else
             code_pieces(portion);
     }
@@ -393,8 +478,12 @@ class Encoder {
     /// Compares so many samples of each track of the committed frame with its curve, as a decoder
     /// draws it.
     void check_frame(std::size_t samples) noexcept {
+        const std::uint32_t before = check_failures();
         checked_ = check_frame(samples, std::index_sequence_for<Channels...>{});
-        if (checked_) rewind(std::index_sequence_for<Channels...>{});
+        if (check_failures() != before)
+            give_up();
+        else if (checked_)
+            rewind(std::index_sequence_for<Channels...>{});
     }
     template <std::size_t... Index>
     bool check_frame(std::size_t samples, std::index_sequence<Index...>) noexcept {
@@ -413,19 +502,120 @@ class Encoder {
     std::uint32_t failures(std::index_sequence<Index...>) const noexcept {
         return (0u + ... + reducer_.template channel<Index>().failures());
     }
+    /// Samples of the first stretch that is tried; where they do not fit, half of them are.
+    static constexpr std::size_t exact_samples_max = 16;
     static constexpr std::size_t portion = 24;  // components of the pieces of a push
 
-    void finish_frame() noexcept {
-        if (!coding_) return;
-        coding_ = false;
-        if (!checked_) check_frame(1u << 12);  // all of them
+    /// Lets out the frame, or a stretch of one that was given up. @return true: nothing of it is
+    /// left.
+    bool finish_frame() noexcept {
+        if (!coding_) return true;
+        if (!exact_ && !checked_) check_frame(1u << 12);  // all of them
+        if (exact_) return let_out_stretch();
         code_pieces(SIZE_MAX);
         const std::size_t size = coded_ ? writer_.close() : 0;
-        reducer_.release();
-        if (size == 0 || out_max - size_ < size + header_max + EventSender<Events>::frame_max) {
+        if (size == 0) {
             ++overflows_;
-            return;
+            give_up();
+            return let_out_stretch();
         }
+        coding_ = false;
+        let_out(size);
+        reducer_.release();
+        return true;
+    }
+
+    // ---- a frame that is given up
+
+    /// The frame leaves as steps instead. What has been coded of it is forgotten.
+    void give_up() noexcept {
+        put_back(std::index_sequence_for<Channels...>{});
+        leave_as_steps();
+    }
+    void leave_as_steps() noexcept {
+        ++given_up_;
+        reducer_.give_up();
+        exact_ = true;
+        exact_from_ = 0;
+        exact_samples_ = exact_samples_max;
+    }
+    /// @return true: it was the last.
+    bool let_out_stretch() noexcept {
+        const auto states = writer_.states;
+        std::size_t size = 0;
+        reduce::Stretch stretch;
+        for (int tries = 0; size == 0 && tries < 8; ++tries) {
+            if (tries > 0) exact_samples_ = (exact_samples_ + 1) / 2;
+            writer_.states = states;
+            stretch = reducer_.stretch(exact_from_, exact_samples_);
+            cut(stretch, std::index_sequence_for<Channels...>{});
+            coded_ = open_stretch(stretch, header_.shape.timing.independent);
+            code_pieces(SIZE_MAX);
+            size = coded_ ? writer_.close() : 0;
+        }
+        exact_from_ = stretch.to;
+        if (size > 0) let_out(size);
+        reducer_.drop_to(stretch.to);
+        if (!stretch.last) return false;
+        exact_ = coding_ = false;
+        resume(std::index_sequence_for<Channels...>{});
+        reducer_.release();
+        return true;
+    }
+    template <std::size_t Index>
+    static constexpr bool rotates =
+        std::tuple_element_t<Index, std::tuple<Channels...>>::rotations > 0;
+    /// States of the tracks of a channel, as the decoder has them behind what has left.
+    template <std::size_t Index>
+    auto* states_of() noexcept {
+        const TrackRange& range = writer_.layout().channel[Index];
+        if constexpr (rotates<Index>)
+            return &writer_.states.rotation[range.first];
+        else
+            return &writer_.states.axis[range.first];
+    }
+    template <std::size_t... Index>
+    void put_back(std::index_sequence<Index...>) noexcept {
+        const auto one = [this](auto index) {
+            constexpr std::size_t i = decltype(index)::value;
+            const auto& s = reducer_.template channel<i>().segment();
+            auto* states = states_of<i>();
+            if (!s.present) return;
+            if constexpr (rotates<i>)
+                *states = s.start;
+            else
+                for (const auto& state : s.start) *states++ = state;
+        };
+        (one(std::integral_constant<std::size_t, Index>{}), ...);
+    }
+    template <std::size_t... Index>
+    void cut(const reduce::Stretch& stretch, std::index_sequence<Index...>) noexcept {
+        const bool told = header_.shape.timing.independent;
+        const auto one = [&](auto index) {
+            constexpr std::size_t i = decltype(index)::value;
+            if constexpr (rotates<i>)
+                reducer_.template channel<i>().cut(stretch, states_of<i>(), told);
+            else
+                reducer_.template channel<i>().cut(stretch, states_of<i>());
+        };
+        (one(std::integral_constant<std::size_t, Index>{}), ...);
+    }
+    template <std::size_t... Index>
+    void resume(std::index_sequence<Index...>) noexcept {
+        (reducer_.template resume<Index>(states_of<Index>()), ...);
+    }
+    /// Does the frame begin where the decoder is?
+    template <std::size_t... Index>
+    bool begins_right(std::index_sequence<Index...>) noexcept {
+        return (true && ... && reducer_.template channel<Index>().begins_at(states_of<Index>()));
+    }
+
+    /// The bytes of a data frame leave, and a header that is due before them.
+    void let_out(std::size_t size) noexcept {
+        FAIRLEAD_ASSERT(out_max - size_ >= size + header_max);  // two frames a call at most
+        if (out_max - size_ < size + header_max) return;
+        if constexpr (rotations > 0)
+            for (std::size_t i = 0; i < rotations; ++i) grids_[i] = writer_.told().grid[i];
         const bool restart = writer_.head().restart;
         if (now_ns_ - header_ns_ >= params_.header_interval_ns) {
             header_ns_ = now_ns_;
@@ -440,13 +630,29 @@ class Encoder {
         for (std::size_t i = 0; i < size; ++i) out_[size_ + i] = writer_.data()[i];
         size_ += size;
     }
-    void end_curves() noexcept {
-        finish_frame();
-        const auto drain = [this] { finish_frame(); };
-        if (reducer_.flush(drain)) {
+    /// @return false: nothing is left.
+    bool flush_some() noexcept {
+        if (waits_) {
+            go_on();
+        } else if (coding_) {
+            if (checked_ && !exact_ && writer_.done())
+                finish_frame();
+            else
+                work_on_frame();
+        } else {
+            const auto drain = [] { return true; };
+            if (reducer_.flush(drain) != reduce::Taken::committed) return false;
             open_frame();
-            finish_frame();
         }
+        return true;
+    }
+    /// Ends all curves, and lets them out. @return false: stretches are left.
+    bool end_curves() noexcept {
+        if (!finish_frame()) return false;
+        const auto drain = [] { return true; };
+        if (reducer_.flush(drain) != reduce::Taken::committed) return true;
+        open_frame();
+        return finish_frame();
     }
     void let_out_events(std::uint32_t hold) noexcept {
         if (!running_ || out_max - size_ < EventSender<Events>::frame_max) return;
@@ -464,10 +670,14 @@ class Encoder {
     std::array<std::uint8_t, out_max> out_{};
     std::int64_t now_ns_{0}, header_ns_{0}, restart_ns_{0}, restart_after_ns_{0}, period_ns_{0};
     std::size_t size_{0};
+    Record waiting_{};
     std::uint32_t spare_{0}, waited_{0};
-    std::uint32_t frames_{0}, restarts_{0}, overflows_{0};
+    std::uint32_t frames_{0}, restarts_{0}, overflows_{0}, strays_{0}, given_up_{0};
+    std::int32_t exact_from_{0};    // of a frame that was given up: what has left of it, in ticks
+    std::size_t exact_samples_{0};  // how many samples a stretch may have
     std::uint16_t run_{0};
     bool good_{false}, running_{false}, coding_{false}, coded_{false}, checked_{false};
+    bool exact_{false}, waits_{false};
 };
 
 }  // namespace fairlead::wire

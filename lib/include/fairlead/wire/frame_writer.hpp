@@ -50,9 +50,9 @@ class FrameWriter {
     }
     /// Seals the frame. @return its size; 0: it did not fit into a frame.
     std::size_t close() noexcept {
-        coder_.close(layout_, states);
         const std::size_t size = io_.finish();
         if (!io_.ok() || size > payload_max) return 0;
+        coder_.close(layout_, states);
         bytes_[0] = static_cast<std::uint8_t>(size);
         append_crc16(bytes_.data(), 1 + size, seed(link_));
         const std::size_t all = 1 + size + check_size;
@@ -64,6 +64,8 @@ class FrameWriter {
     const Link& link() const noexcept { return link_; }
     const Layout& layout() const noexcept { return layout_; }
     const FrameHead& head() const noexcept { return head_; }
+    /// Where the curves of the frame end, as far as it tells that.
+    const Places<Axes, Rotations>& told() const noexcept { return coder_.told; }
 
     States states{};
     Places<Axes, Rotations> first{};
