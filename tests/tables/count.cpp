@@ -121,14 +121,15 @@ double reduce(const sim::Recording& recording, double tolerance, std::int32_t de
             restarted = reducer.grid().time_ns(frame.start_subs + std::int64_t{64} * frame.ticks);
         reducer.release();
     };
+    const auto nothing_left = [] { return true; };
     for (const Pose& pose : recording.poses) {
         const bool due = pose.t_ns - restarted >= 2'000'000'000 - delay / 4 * period;
         const auto seam = due ? reduce::Seam::restart : reduce::Seam::carry;
         if (reducer.push(pose.t_ns, {value_of(pose, static_cast<Channel*>(nullptr))}, 1, 0, seam,
-                         [] {}))
+                         nothing_left) == reduce::Taken::committed)
             take();
     }
-    if (reducer.flush([] {})) take();
+    if (reducer.flush(nothing_left) == reduce::Taken::committed) take();
     return bytes;
 }
 
