@@ -145,13 +145,13 @@ $(BUILD)/demo/generated.trk: $(BUILD)/fairlead-sim
 	@$(BUILD)/fairlead-sim generate '$(DEMO_MOTION)' --seed 1 --out $@
 
 TEST_PROGRAMS := $(addprefix $(BUILD)/tests/,unit port gpio1 gpio2 gateway peers)
-TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/setup/test_*.py tests/must_fail/test_*.py tests/c/test_*.py)
+TEST_SCRIPTS  := $(call sources,tests/sim/test_*.py tests/setup/test_*.py tests/must_fail/test_*.py tests/c/test_*.py tests/docs/test_*.py)
 TESTED        := $(TEST_PROGRAMS) $(HEADERS_OK) $(addprefix $(BUILD)/,fairlead-record fairlead-sim examples/attitude examples/filter examples/reduce examples/decode)
 test: $(TESTED) ## [build demo script gateway test] build and run all tests that need no other machine
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 
 ##@ Build
-.PHONY: all sim record gateway live headers registers readme clean
+.PHONY: all sim record gateway live headers registers readme docs clean
 all: sim record gateway live ## [] build every program that a user runs
 sim: $(BUILD)/fairlead-sim ## [build] build the host simulator, build/fairlead-sim
 record: $(BUILD)/fairlead-record ## [build port] build the recorder, build/fairlead-record
@@ -161,6 +161,10 @@ headers: $(HEADERS_OK) ## [compile] compile every public header alone, under the
 registers: $(BUILD)/fairlead-registers ## [build gateway] write docs/registers.md and the client configurations from the register map
 	@mkdir -p examples/gateway/clients
 	@$<
+docs: ## [docs script compile] write the API reference, build/docs/html; check links and examples of all pages
+	@mkdir -p $(BUILD) && (cat docs/Doxyfile; echo OUTPUT_DIRECTORY=$(BUILD)/docs) | doxygen -
+	@tests/docs/test_pages.py
+	@echo "ok docs: $(BUILD)/docs/html/index.html"
 readme: demo ## [script] put the present output of make demo into the README
 	@tests/sim/test_readme.py --write
 

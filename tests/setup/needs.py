@@ -27,7 +27,7 @@ MARKS = {
     # languages and tools
     "g++": word("g++", "clang-tidy"), "gcc": word("gcc", "cc"), "clang": word("clang++"), "libclang-rt-14-dev": "-fsanitize=",
     "python3": r"\.py\b|/usr/bin/python3", "python3-yaml": r"import yaml",
-    "clang-format": word("clang-format"), "clang-tidy": word("clang-tidy"),
+    "doxygen": word("doxygen"), "clang-format": word("clang-format"), "clang-tidy": word("clang-tidy"),
     "cmake": r'\bcmake -|"cmake", ', "pkgconf": word("pkg-config"),
     "gnuplot-nox": r'fairlead-sim (?:replay|compare|experiment)|"make".*"demo"',
     "g++-11": word("g++-11"), "g++-12": word("g++-12"), "g++-12-multilib": r"-m32\b", "clang-14": word("clang++-14"),

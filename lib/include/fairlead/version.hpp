@@ -13,6 +13,6 @@
 /// The version as text, for instance "0.1.0".
 #define FAIRLEAD_VERSION \
     FAIRLEAD_DOTTED(FAIRLEAD_VERSION_MAJOR, FAIRLEAD_VERSION_MINOR, FAIRLEAD_VERSION_PATCH)
-/// The version as one number that grows, for #if: 0.1.0 is 100, 1.2.3 is 10203.
+/// The version as one number that grows, for the preprocessor: 0.1.0 is 100, 1.2.3 is 10203.
 #define FAIRLEAD_VERSION_NUMBER \
     (FAIRLEAD_VERSION_MAJOR * 10000 + FAIRLEAD_VERSION_MINOR * 100 + FAIRLEAD_VERSION_PATCH)
