@@ -120,6 +120,26 @@ TEST(StreamDamage, NoiseAlone) {
     EXPECT_LE(one.wrong_events, 20u);
 }
 
+TEST(StreamDamage, HeadsThatEndTogetherHideNothingForLong) {
+    // each byte of 247 begins a frame, and all of them are complete at the same byte: more than the
+    // search of one byte may try (wire/receiver.hpp)
+    RandomStream source{{}, 12};
+    Reader reader;
+    std::size_t sent = 0, told = 0;
+    for (const auto b : source.header(true)) reader.push(b);
+    for (int i = 0; i < 400; ++i) {
+        const ByteVector frame = source.frame();
+        sent += !frame.empty();
+        for (const auto b : frame) told += reader.push(b);
+        for (std::size_t left = i % 20 == 19 ? wire::data_frame_max : 0; left >= 4; --left)
+            told += reader.push(static_cast<std::uint8_t>(left - 3));
+    }
+    while (reader.finish()) ++told;
+    EXPECT_EQ(reader.frame_counters().losses, 20u);
+    EXPECT_GE(told, sent - 20) << "each time, the frame that waits for its follower may be late";
+    EXPECT_EQ(reader.frame_end(), source.writer().link().end);
+}
+
 TEST(StreamDamage, CutAtEveryByte) {
     RandomStream source{{}, 9};
     ByteVector bytes = source.header(true);

@@ -72,7 +72,7 @@ struct Subject {
     static constexpr std::size_t whole = fairlead::wire::data_frame_max;
 
     static void tell(const fairlead::wire::CurvePiece& piece, Output& out) {
-        const auto ticks = static_cast<float>(piece.end - piece.start) / 64;
+        const auto ticks = piece.ticks<float>();
         if (piece.rotates) {
             const fairlead::Quat q = fairlead::wire::rotation_at(piece, ticks);
             out.value = {q.w, q.x, q.y, q.z};

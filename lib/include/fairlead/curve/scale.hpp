@@ -34,10 +34,12 @@ struct Scale {
     static constexpr bool valid(unsigned m, int e) noexcept {
         return m >= 256 && m <= 511 && e >= -100 && e <= 60;
     }
-    constexpr double step() const noexcept {
-        double x = m;
-        for (int i = 0; i < e && i < 60; ++i) x *= 2;
-        for (int i = 0; i > e && i > -100; --i) x /= 2;
+    /// Exact in double and in float, where no double arithmetic is used; valid scales only.
+    template <class Real = double>
+    constexpr Real step() const noexcept {
+        Real x = static_cast<Real>(m);
+        for (int i = 0; i < e && i < 60; ++i) x *= Real{2};
+        for (int i = 0; i > e && i > -100; --i) x *= Real{1} / Real{2};
         return x;
     }
     /// Value of v lattice steps; exact but for one rounding.

@@ -69,16 +69,9 @@ constexpr std::uint16_t seed(const Link& link) noexcept {
 /// The start value that makes the check of this data frame right: found backwards from the check.
 /// frame: `size` bytes, the check included. One pass over the bytes.
 constexpr std::uint16_t seed_of(const std::uint8_t* frame, std::size_t size) noexcept {
-    // a step forward maps the top nibble t to table[t]; the low nibble of table[t] is t, so a step
-    // back knows t
-    auto crc = static_cast<unsigned>(frame[size - 2] << 8 | frame[size - 1]);
-    for (std::size_t i = size - check_size; i-- > 0;) {
-        for (unsigned shift = 0; shift <= 4; shift += 4) {
-            const unsigned t = crc & 15u;
-            crc = ((crc ^ crc16_table[t]) >> 4) | ((t ^ (frame[i] >> shift & 15u)) << 12);
-        }
-    }
-    return static_cast<std::uint16_t>(crc);
+    auto crc = static_cast<std::uint16_t>(frame[size - 2] << 8 | frame[size - 1]);
+    for (std::size_t i = size - check_size; i-- > 0;) crc = crc16_before(frame[i], crc);
+    return crc;
 }
 
 }  // namespace fairlead::wire

@@ -26,6 +26,18 @@ constexpr std::uint16_t crc16(std::uint8_t byte, std::uint16_t seed) noexcept {
     return static_cast<std::uint16_t>(crc);
 }
 
+/// The register before this byte, from the one after it.
+constexpr std::uint16_t crc16_before(std::uint8_t byte, std::uint16_t after) noexcept {
+    // a step forward maps the top nibble t to table[t]; the low nibble of table[t] is t, so a step
+    // back knows t
+    unsigned crc = after;
+    for (unsigned shift = 0; shift <= 4; shift += 4) {
+        const unsigned t = crc & 15u;
+        crc = ((crc ^ crc16_table[t]) >> 4) | ((t ^ (byte >> shift & 15u)) << 12);
+    }
+    return static_cast<std::uint16_t>(crc);
+}
+
 constexpr std::uint16_t crc16(const std::uint8_t* data, std::size_t size,
                               std::uint16_t seed) noexcept {
     for (std::size_t i = 0; i < size; ++i) seed = crc16(data[i], seed);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "fairlead/curve/rotation.hpp"
 #include "fairlead/curve/scale.hpp"
@@ -49,24 +50,29 @@ struct CurvePiece {
     template <class Real>
     curve::Polynomial<Real> polynomial(std::size_t c) const noexcept {
         if (start == end) return {};
-        const auto h = static_cast<std::int32_t>((end - start) / curve::subs_per_tick);
+        const std::int32_t h = subs() / curve::subs_per_tick;
         return curve::polynomial<Real>(code, fresh, s[c], static_cast<Real>(rise[c]), h);
     }
     /// From the start to the end.
-    double ticks() const noexcept {
-        return static_cast<double>(end - start) / curve::subs_per_tick;
+    template <class Real = double>
+    Real ticks() const noexcept {
+        return static_cast<Real>(subs()) / static_cast<Real>(curve::subs_per_tick);
     }
+    std::int32_t subs() const noexcept { return static_cast<std::int32_t>(end - start); }
 };
 
 /// The rotation of a piece, `ticks` after its start.
 template <class Real>
 BasicQuat<Real> rotation_at(const CurvePiece& p, Real ticks) noexcept {
-    const auto step = static_cast<Real>(p.scale.step());
+    const Real step = p.scale.step<Real>();
     const BasicVec3<Real> theta{step * p.steps_at(ticks, 0), step * p.steps_at(ticks, 1),
                                 step * p.steps_at(ticks, 2)};
     const BasicQuat<Real> anchor{static_cast<Real>(p.anchor.w), static_cast<Real>(p.anchor.x),
                                  static_cast<Real>(p.anchor.y), static_cast<Real>(p.anchor.z)};
-    return anchor * from_rotation_vector(theta);
+    if constexpr (std::is_same_v<Real, float>)
+        return anchor * curve::chart_exp(theta);  // the decoder's own: no second sine and cosine
+    else
+        return anchor * from_rotation_vector(theta);
 }
 
 }  // namespace fairlead::wire

@@ -11,8 +11,8 @@
 //
 // A frame takes effect when it is parsed: a reader that does not ask for its pieces loses these
 // pieces, and nothing else. The first bytes must hold a header frame, or the reader gives one that
-// it kept (adopt). Work per byte is bounded (wire/receiver.hpp): beside its tries, a push parses
-// at most `frames_parsed` frames.
+// it kept (adopt). Work per byte is bounded (wire/receiver.hpp): beside the search for frames, a
+// push parses a frame that is complete, or one frame of those that are found behind damage.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -48,7 +48,7 @@ class Decoder {
     using States = TrackStates<Axes, Rotations>;
     using Frames = Receiver<Parts::check_bits>;
     using Events = std::conditional_t<Parts::events, EventReader, NoEventReader>;
-    static constexpr std::size_t frames_parsed = 7;
+    static constexpr std::size_t finds_per_push = 8, finds_at_end = 4096;
 
     enum class Refused : std::uint8_t {
         nothing,
@@ -66,17 +66,17 @@ class Decoder {
 
     Decoder() noexcept {}  // at run time: no image of the memory stands in flash
     /// Follows this stream alone; otherwise the first one whose header comes.
-    explicit Decoder(std::uint16_t stream_id) noexcept : stream_id_{stream_id}, chosen_{true} {}
+    explicit Decoder(std::uint16_t stream_id) noexcept : chosen_{true}, stream_id_{stream_id} {}
 
     /// @return true: a frame was parsed, ask next() and next_event().
     bool push(std::uint8_t byte) noexcept {
         frames_.add(byte);
-        return advance(Frames::tries_per_byte);
+        return advance(finds_per_push);
     }
     /// The input has ended: as push(), for what is left. Call it until it returns false.
     bool finish() noexcept {
         frames_.end();
-        return advance(3 * data_frame_max);
+        return advance(finds_at_end);
     }
     /// A header frame that the reader kept from earlier: data can be decoded before the next one
     /// comes, from a restart frame on, if the stream is still the same. @return false: refused.
@@ -128,31 +128,28 @@ class Decoder {
     using Reader = Content<code::RangeDecoder, Axes, Rotations, Kinds, Parts::independent>;
     enum class Step : std::uint8_t { none, points, pieces };
 
-    bool advance(std::size_t tries) noexcept {
+    bool advance(std::size_t finds) noexcept {
         step_ = Step::none;
         events_.close();
-        const FrameHead latest = head_;
-        for (std::size_t i = 0; i < 4; ++i) {
-            const Found found = frames_.find(tries);
-            const Frame& frame = frames_.frame();
+        while (finds-- > 0) {
+            const Found found = frames_.find();
             if (found == Found::nothing) return false;
-            if (found == Found::header) {
-                Header header;
-                const HeaderFault fault = read_header(frame.data, frame.size, header);
-                take_header(fault, header);
-            } else if (found == Found::events) {
-                if (events_.parse(frame.data + 2, frame.size - 2 - crc_size, grid_.base_ns))
-                    return true;
-            } else if (found == Found::data) {
-                if (take_frame(frame)) return true;
-                head_ = latest;
-                frames_.refuse_frame();
-            } else {
-                const bool good = agrees();
-                head_ = latest;
-                counters_.nonsense += !good;
-                good ? frames_.accept() : frames_.refuse();
-            }
+            if (take(found)) return true;
+        }
+        return false;
+    }
+    /// @return true: there is something to tell.
+    bool take(Found found) noexcept {
+        const Frame& frame = frames_.frame();
+        if (found == Found::data) return take_frame(frame);
+        if (found == Found::events)
+            return events_.parse(frame.data + 2, frame.size - 2 - crc_size, grid_.base_ns);
+        if (found == Found::chain) {
+            check_chain();
+        } else {
+            Header header;
+            const HeaderFault fault = read_header(frame.data, frame.size, header);
+            take_header(fault, header);
         }
         return false;
     }
@@ -179,6 +176,7 @@ class Decoder {
         run_ = shape.run;
         grid_ = {shape.base_ns, shape.timing.sub_ns};
         layout_ = layout;
+        checked_ = 0;
         frames_.follow_header(shape.timing, header.digest, header.end, header.starts);
         return true;
     }
@@ -191,19 +189,17 @@ class Decoder {
     }
 
     /// Opens a frame, from the states before it: its pieces can be told. @return false: nonsense.
-    bool open(const Frame& frame, std::int64_t before, bool joins, const States& from) noexcept {
-        if (joins)
-            walk_ = {};
-        else
-            walk_ = from;
+    bool open(const Frame& frame, bool joins, const States& from, FrameHead& head) noexcept {
+        walk_ = from;
+        if (joins) walk_ = {};
         content_ = {};
         io_ = {frame.payload(), frame.payload_size()};
         const Reading reading = !joins   ? Reading::in_step
                                 : lone() ? Reading::lone
                                          : Reading::joining;
         Places<Axes, Rotations> first;
-        return code_head(io_, head_, frames_.timing(), before, joins) &&
-               content_.open(io_, layout_, walk_, head_, frames_.timing().independent, reading,
+        return code_head(io_, head, frames_.timing(), frame.before, joins) &&
+               content_.open(io_, layout_, walk_, head, frames_.timing().independent, reading,
                              first);
     }
     /// Goes to the end of the frame, without a change of what will be told. @return false:
@@ -226,10 +222,13 @@ class Decoder {
     bool take_frame(const Frame& frame) noexcept {
         const bool joins = frames_.joining();
         States end;
-        if (!open(frame, frame.before, joins, states_) || !run(joins, end)) {
+        FrameHead head;
+        if (!open(frame, joins, states_, head) || !run(joins, end)) {
             ++counters_.nonsense;
+            frames_.refuse_frame();
             return false;
         }
+        head_ = head;
         states_ = end;
         point_ = 0;
         if (joins) pending_ = 0xffff;
@@ -238,17 +237,23 @@ class Decoder {
         step_ = Step::points;
         return true;
     }
-    /// Do the frames of the chain make sense one after another?
-    bool agrees() noexcept {
-        States states = states_;
-        std::int64_t before = frames_.chain_base();
-        for (std::size_t i = 0; i < frames_.chain_size(); ++i) {
-            const bool joins = i == 0 && frames_.chain_joins();
-            if (!open(frames_.chain_frame(i), before, joins, states) || !run(joins, states))
-                return false;
-            before = head_.end;
-        }
-        return true;
+    /// Does the next frame of the chain make sense behind those before it? With the last one, the
+    /// chain is believed.
+    void check_chain() noexcept {
+        const auto& chain = frames_.chain();
+        Frame frame = frames_.chain_frame(checked_);
+        const bool first = checked_ == 0, joins = first && chain.joins;
+        frame.before = first ? chain.base : checked_end_;
+        States end;
+        FrameHead head;
+        const bool good = open(frame, joins, first ? states_ : walk_, head) && run(joins, end);
+        frames_.spend(frame.size);
+        counters_.nonsense += !good;
+        walk_ = end;
+        checked_end_ = head.end;
+        if (good && ++checked_ < chain.count) return;
+        checked_ = 0;
+        good ? frames_.accept() : frames_.refuse();
     }
     bool lone() const noexcept { return Parts::independent && frames_.timing().independent; }
 
@@ -358,22 +363,23 @@ class Decoder {
         }
     }
 
-    Frames frames_{};
-    Events events_{};
-    Layout layout_{};
-    States states_{}, walk_{};
-    Reader content_{};
-    code::RangeDecoder io_{};
-    FrameHead head_{};
-    curve::Grid grid_{};
-    Counters counters_{};
-    std::uint32_t run_index_{0};
-    std::uint16_t stream_id_{0}, run_{0};
-    std::uint16_t pending_{0};  // tracks whose next piece begins a curve, as far as it was told
-    std::uint8_t point_{0};
+    std::int64_t checked_end_{0};  // where the frames of a chain that were checked so far end
+    std::uint8_t point_{0}, checked_{0};
     Step step_{Step::none};
     Refused refused_{Refused::nothing};
     bool chosen_{false};
+    std::uint16_t pending_{0};  // tracks whose next piece begins a curve, as far as it was told
+    std::uint16_t stream_id_{0}, run_{0};
+    std::uint32_t run_index_{0};
+    FrameHead head_{};
+    curve::Grid grid_{};
+    code::RangeDecoder io_{};
+    Counters counters_{};
+    Layout layout_{};
+    Reader content_{};
+    States states_{}, walk_{};
+    Events events_{};
+    Frames frames_{};
 };
 
 }  // namespace fairlead::wire

@@ -43,7 +43,7 @@ template <class Real = float>
 AxisMotion<Real> axis_motion(const CurvePiece& piece, const curve::Grid& grid,
                              std::int64_t t_ns) noexcept {
     const Real u = ticks_after_start<Real>(piece, grid, t_ns);
-    const Real step = static_cast<Real>(piece.scale.step());
+    const Real step = piece.scale.step<Real>();
     const Real per_s = static_cast<Real>(1e9) / static_cast<Real>(grid.tick_ns());
     return {step * piece.steps_at(u), step * per_s * piece.rate_at(u),
             step * per_s * per_s * piece.bend_at(u)};
@@ -59,7 +59,7 @@ template <class Real = float>
 Turning<Real> turning(const CurvePiece& piece, const curve::Grid& grid,
                       std::int64_t t_ns) noexcept {
     const Real u = ticks_after_start<Real>(piece, grid, t_ns);
-    const Real step = static_cast<Real>(piece.scale.step());
+    const Real step = piece.scale.step<Real>();
     const Real per_s = static_cast<Real>(1e9) / static_cast<Real>(grid.tick_ns());
     std::array<BasicVec3<Real>, 3> theta;  // theta and its derivatives
     theta[0] = {step * piece.steps_at(u, 0), step * piece.steps_at(u, 1),

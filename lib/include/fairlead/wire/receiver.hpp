@@ -2,19 +2,22 @@
 // Bytes in, whole frames out that a reader may believe (docs/stream.md, Reading).
 //
 // In step, the next frame must start where the last one ended, and its check must fit all that the
-// reader knows. When it does not, the reader is out of step: each place that holds a complete frame
-// is tried, as the frame that should follow, as the follower of a frame that was tried before, or
-// as the first one behind a restart frame. Two fitting checks in a row put the reader in step
-// again. No false head holds anything back, because places are tried when the bytes of their frame
-// are complete, and not in the order in which they begin.
+// reader knows. When it does not, the reader is out of step, and searches: for each byte, the
+// places whose frame ends there are tried, as the frame that should follow the last one, as the
+// follower of a frame that was tried before, or as the first one behind a restart frame. Two
+// fitting checks in a row put the reader in step again. A false head holds nothing back, because
+// places are tried when the bytes of their frame are complete, and not in the order in which they
+// begin.
 //
 // One fitting check, 2^-16, is enough only while damage is rare: the reader has `trust_max` credits
 // and gets one back for each 2^41 ns (37 min) of decoded curve; a loss of step takes one. Without a
 // credit each frame waits until the check of the next one fits as well, 2^-32.
 //
-// Bounds: memory is sizeof. A push takes at most one frame, and out of step tries at most
-// `tries_per_byte` ends of frames; each costs two walks over at most 250 bytes, and at most
-// `restarts_tried` CRC-32 of at most 250 bytes.
+// Bounds: memory is sizeof. Out of step, each byte that comes allows `work_per_byte` units of work,
+// a unit is about what the CRC of a byte costs; the search for the ends of frames waits where it
+// has used more, so that a line that is damaged, or made to cost most, costs a constant for each
+// byte. A byte's search overdraws at most `overdraft` units and one frame. What waits too long is
+// not searched: the reader is in step later, and believes nothing else.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -28,17 +31,19 @@ namespace fairlead::wire {
 template <unsigned CheckBits = 16>
 class Receiver {
   public:
-    static constexpr std::size_t tries_per_byte = 3, restarts_tried = 6, skips_max = 2;
+    static constexpr std::int32_t work_per_byte = 360, overdraft = 1600;
+    static constexpr unsigned places_tried = 8;
+    static constexpr std::size_t restarts_tried = 6, skips_max = 2;
     static constexpr std::uint8_t trust_max = 4;
     static constexpr std::uint64_t trust_ns = std::uint64_t{1} << 41;
 
-    /// What a push found.
+    /// What find() found.
     enum class Found : std::uint8_t {
         nothing,
         header,  // frame() is a header frame with a right CRC-32
         events,  // frame() is an event frame with a right CRC-32
         data,    // frame() continues the stream
-        chain,   // frames that agree with each other: ask chain_frame(), then accept() or refuse()
+        chain,   // frames that agree with each other: ask chain(), then accept() or refuse()
     };
     struct Frame {
         const std::uint8_t* data{nullptr};
@@ -46,6 +51,18 @@ class Receiver {
         std::int64_t before{0};  // what code_head() needs to read the head
         constexpr const std::uint8_t* payload() const noexcept { return data + 1; }
         constexpr std::size_t payload_size() const noexcept { return size - 1 - check_size; }
+    };
+    /// Frames of which each fits the one before, not yet believed.
+    struct Chain {
+        Link link{};           // behind the newest
+        std::int64_t base{0};  // to read the first one's head: where the frame before it ended; of
+                               // one that joins the end of its restart frame, or what tells it
+        std::array<std::uint16_t, 3> at{};
+        std::uint8_t count{0};
+        bool joins{false};  // the first one is a restart frame that a reader takes its state from
+
+        /// Checks that fit: of all frames but the one at which a reader joins.
+        constexpr int checks() const noexcept { return count - joins; }
     };
     struct Counters {
         std::uint32_t frames{0};      // data frames that were believed
@@ -56,33 +73,41 @@ class Receiver {
 
     void add(std::uint8_t byte) noexcept {
         release();
-        if (size_ == bytes_.size()) make_room();
+        if (size_ == bytes_.size()) drop(room_made);
         bytes_[size_++] = byte;
+        work_ = (std::min)(work_ + work_per_byte, work_per_byte);
     }
-    /// No byte follows: a frame that waits for the next one's check is believed by its own.
+    /// No byte follows: a frame that waits for the next one's check is believed by its own, and
+    /// find() works until nothing is left.
     void end() noexcept { ended_ = true; }
 
-    /// Goes on with the bytes that are there. Call with tries_per_byte after each add().
-    Found find(std::size_t tries) noexcept {
+    /// Goes on with the bytes that are there. Call it until it finds nothing.
+    Found find() noexcept {
         release();
-        if (queued_) return next_of_queue();
-        while (tries > 0) {
-            Found found{};
+        for (;;) {
+            if (ended_) work_ = work_per_byte;
+            const bool spent = work_ <= 0, full = size_ == bytes_.size();
             if (in_step_) {
-                if (!follow(found) || found != Found::nothing) return found;
-                if (!in_step_) --tries;
+                const std::size_t kept = trusted() || ended_ ? 0 : 1;
+                if (queue().count > kept)
+                    return spent && !full && joined_ > 0 ? Found::nothing : deliver();
+                const std::uint16_t front = front_;
+                const Found found = follow();
+                if (found != Found::nothing || (in_step_ && front == front_)) return found;
             } else {
-                if (scan_end_ > size_) return Found::nothing;
-                found = try_end(scan_end_);
+                if (chain_found_ && (full || !spent)) return Found::chain;
+                if (chain_found_ || spent || scan_end_ > size_) return Found::nothing;
+                const Found found = search(scan_end_++);
                 if (found != Found::nothing) return found;
-                --tries;
-                ++scan_end_;
             }
         }
-        return Found::nothing;
     }
 
     const Frame& frame() const noexcept { return frame_; }
+    /// Whether the frame that find() gave is the restart frame at which the reader joins.
+    bool joining() const noexcept { return joining_; }
+    /// The reader has parsed a frame of so many bytes to see whether a chain makes sense.
+    void spend(std::size_t bytes) noexcept { spend_units(bytes * units_parsed); }
 
     /// The stream to follow from now on. begins: the run's first frame comes next.
     void follow_header(const FrameTiming& timing, std::uint32_t digest, std::int64_t end,
@@ -96,44 +121,36 @@ class Receiver {
             return;
         }
         if (in_step_ && !begins) lose_step();
-        forget_chains();
         link_ = {end, digest, 0};
         near_ = end;
         header_known_ = true;
         known_ = in_step_ = begins;
-        held_ = 0;
-        scan_from_ = front_;
-        scan_end_ = static_cast<std::uint16_t>(front_ + smallest_frame);
+        start_search();
+        queue() = {};
+        queue().link = link_;
     }
 
-    /// The chain's frames, the oldest first. joins: the first one is a restart frame that a reader
-    /// takes its state from; otherwise the first one follows the frames that were believed before.
-    std::size_t chain_size() const noexcept { return chains_[found_].count; }
-    bool chain_joins() const noexcept { return chains_[found_].joins; }
-    Frame chain_frame(std::size_t i) const noexcept { return frame_at(chains_[found_].at[i]); }
-    /// A time to read the first frame's head from: the one that it tells, or the end of the frame
-    /// before.
-    std::int64_t chain_base() const noexcept {
-        return chains_[found_].joins ? chains_[found_].base : link_.end;
-    }
+    const Chain& chain() const noexcept { return chains_[found_]; }
+    Frame chain_frame(std::size_t i) const noexcept { return frame_at(chain().at[i]); }
     /// The chain is believed: its frames come one after another by find().
     void accept() noexcept {
-        const Chain found = chains_[found_];
-        forget_chains();
-        chains_[0] = found;
-        queued_ = true;
-        queue_at_ = 0;
-        counters_.joins += found.joins;
-        known_ = true;
+        queue() = Chain{chain()};
+        const std::size_t last = queue().at[queue().count - 1u];
+        front_ = static_cast<std::uint16_t>(last + size_at(last));
+        joined_ = queue().count;
+        counters_.joins += queue().joins;
+        known_ = in_step_ = true;
+        chain_found_ = false;
     }
-    void refuse() noexcept { chains_[found_].count = 0; }
+    void refuse() noexcept {
+        chains_[found_] = {};
+        chain_found_ = false;
+    }
     /// The frame that find() gave is nonsense though its check fits.
     void refuse_frame() noexcept {
-        held_ = 0;
         lose_step();
+        queue() = {};
     }
-    /// Whether the frame that find() gave is the restart frame at which the reader joins.
-    bool joining() const noexcept { return joining_; }
 
     bool in_step() const noexcept { return in_step_; }
     bool trusted() const noexcept { return trust_ > 0; }
@@ -145,17 +162,9 @@ class Receiver {
     static constexpr std::uint16_t check_mask = static_cast<std::uint16_t>((1u << CheckBits) - 1u);
     static constexpr std::size_t smallest_frame = 1 + 1 + check_size;
     static constexpr std::size_t room_made = 8, capacity = 3 * data_frame_max + room_made + 2;
-
-    /// Frames of which each fits the one before, not yet believed.
-    struct Chain {
-        std::int64_t base{0};  // of a joining one: the end of its restart frame
-        std::int64_t end{0};   // of its latest frame
-        std::uint32_t previous{0};
-        std::array<std::uint16_t, 3> at{};
-        std::uint16_t expect{0};  // where the next frame should start
-        std::uint8_t count{0}, checks{0}, skips{0};
-        bool joins{false};
-    };
+    // what work costs, in units: a place behind its CRC, a restart frame that is tried, a byte of a
+    // frame that is parsed
+    static constexpr std::int32_t units_place = 16, units_restart = 100, units_parsed = 32;
 
     static bool fits(std::uint16_t a, std::uint16_t b) noexcept {
         return ((a ^ b) & check_mask) == 0;
@@ -169,116 +178,102 @@ class Receiver {
         code::RangeDecoder io{frame.payload(), frame.payload_size()};
         return code_head(io, head, timing_, before, joining);
     }
-
     static Link link_behind(const Frame& frame, const FrameHead& head,
                             const Link& before) noexcept {
         return {head.end, before.header, digest_of(frame.data, frame.size, head.restart, before)};
     }
-    Link link_of(const Chain& c) const noexcept { return {c.end, link_.header, c.previous}; }
-    static void set_link(Chain& c, const Link& link) noexcept {
-        c.end = link.end;
-        c.previous = link.previous;
+    void spend_units(std::size_t units) noexcept { work_ -= static_cast<std::int32_t>(units); }
+
+    /// The frames that are believed next: as they are delivered, chains_[0] loses them.
+    Chain& queue() noexcept { return chains_[0]; }
+
+    /// Does the data frame at p, whose check has the start value s, follow the chain? Then it is
+    /// its newest.
+    bool append(Chain& c, std::size_t p, std::uint16_t s) noexcept {
+        const Frame frame = frame_at(p);
+        FrameHead head;
+        if (!fits(s, seed(c.link)) || !read_head(frame, head, c.link.end, false)) return false;
+        // a second restart frame would leave the first one with a single check
+        if (c.joins && c.checks() == 0 && head.restart && !timing_.independent) return false;
+        c.at[c.count++] = static_cast<std::uint16_t>(p);
+        c.link = link_behind(frame, head, c.link);
+        return true;
     }
 
     // ---- in step
 
-    /// The frame at front_. @return false: its bytes are not complete.
-    bool follow(Found& found) noexcept {
-        const bool one = size_ == front_ + 1;
-        const std::size_t size = size_ <= front_ ? smallest_frame
-                                 : one && bytes_[front_] > payload_max
-                                     ? frame_size(bytes_[front_], 1)
-                                     : size_at(front_);
-        if (size > 0 && size_ < front_ + size) {
-            if (!ended_) return false;
-            if (held_ > 0) return found = deliver_held(), true;
-            if (size_ > front_) lose_step();
-            return size_ > front_;
+    /// The frame at front_, when its bytes are complete.
+    Found follow() noexcept {
+        const std::size_t left = size_ - std::size_t{front_};
+        const std::size_t size = left < 2 ? smallest_frame : size_at(front_);
+        if (left < size) {
+            if (ended_ && left > 0) lose_step();
+            return Found::nothing;
         }
-        if (size > 0 && bytes_[front_] > payload_max) return follow_long(found, size);
-        frame_ = frame_at(front_);
-        const Link& link = held_ > 0 ? held_link_ : link_;
-        FrameHead head;
-        if (size == 0 || !fits(seed_of(frame_.data, size), seed(link)) ||
-            !read_head(frame_, head, link.end, false)) {
-            lose_step();
-            return true;
-        }
-        const Link after = link_behind(frame_, head, link);
-        const std::size_t at = front_;
-        if (held_ > 0) {  // its check was the second one for the frame that waits
-            found = deliver_held();
-            hold(at, size, after);
-        } else if (trusted() || ended_) {
-            found = deliver(at, after);
-        } else {
-            hold(at, size, after);
-        }
-        return true;
-    }
-    bool follow_long(Found& found, std::size_t size) noexcept {
-        const Found kind = long_frame(front_, size);
-        if (kind == Found::nothing) {
-            lose_step();
-        } else if (kind == Found::header && held_ > 0 &&
-                   (bytes_[front_ + size - crc_size - 1] & 1u) != 0) {
-            found = deliver_held();  // a run that begins ends the one before: no check will follow
-        } else {
-            found = kind;
+        if (size > 0 && bytes_[front_] > payload_max) {
+            const Found kind = long_frame(front_, size);
+            if (kind == Found::header && queue().count > 0 && begins_run(front_, size))
+                return deliver();  // the run before ends: no check will follow
+            if (kind != Found::nothing) {
+                front_ = static_cast<std::uint16_t>(front_ + size);
+                if (queue().count == 0) release_ = front_;
+                return kind;
+            }
+        } else if (size > 0 && append(queue(), front_, seed_of(&bytes_[front_], size))) {
             front_ = static_cast<std::uint16_t>(front_ + size);
-            if (held_ == 0) release_ = front_;
+            return Found::nothing;
         }
-        return true;
+        lose_step();
+        return Found::nothing;
     }
-    void hold(std::size_t at, std::size_t size, const Link& after) noexcept {
-        held_at_ = static_cast<std::uint16_t>(at);
-        held_ = static_cast<std::uint16_t>(size);
-        held_link_ = after;
-        front_ = static_cast<std::uint16_t>(at + size);
+    bool begins_run(std::size_t at, std::size_t size) const noexcept {
+        return (bytes_[at + size - crc_size - 1] & 1u) != 0;
     }
-    Found deliver(std::size_t at, const Link& after, bool joins = false) noexcept {
-        frame_ = frame_at(at);
-        joining_ = joins;
-        frame_.before = joins ? chains_[0].base : link_.end;
+    /// The oldest frame of the queue is believed.
+    Found deliver() noexcept {
+        Chain& c = queue();
+        frame_ = frame_at(c.at[0]);
+        joining_ = c.joins;
+        frame_.before = c.joins ? c.base : link_.end;
         FrameHead head;
-        read_head(frame_, head, frame_.before, joins);
-        believe(after, head);
-        front_ = static_cast<std::uint16_t>(std::max<std::size_t>(front_, at + frame_.size));
-        release_ = static_cast<std::uint16_t>(at + frame_.size);
-        return Found::data;
-    }
-    Found deliver_held() noexcept {
-        held_ = 0;
-        return deliver(held_at_, held_link_);
-    }
-    void believe(const Link& after, const FrameHead& head) noexcept {
+        read_head(frame_, head, frame_.before, c.joins);
+        release_ = static_cast<std::uint16_t>(c.at[0] + frame_.size);
+        c.at = {c.at[1], c.at[2], 0};
+        c.joins = false;
+        --c.count;
+        if (joined_ > 0) {
+            --joined_;
+            spend(2 * frame_.size);
+        }
         const auto lasted = static_cast<std::uint64_t>(head.end - head.start);
         if (trust_ < trust_max) trusted_ns_ += lasted * timing_.sub_ns;
         if (trusted_ns_ >= trust_ns) {
             trusted_ns_ = 0;
             ++trust_;
         }
-        link_ = after;
-        near_ = after.end;
+        link_ = link_behind(frame_, head, link_);
+        near_ = link_.end;
         ++counters_.frames;
         counters_.good_bytes += frame_.size;
+        return Found::data;
     }
     void lose_step() noexcept {
         in_step_ = false;
         ++counters_.losses;
         if (trust_ > 0) --trust_;
         trusted_ns_ = 0;
-        forget_chains();
-        if (held_ > 0) {  // one check fits, the next may still come
-            Chain& c = chains_[0];
-            set_link(c, held_link_);
-            c.at[0] = held_at_;
-            c.expect = front_;
-            c.count = c.checks = 1;
-        }
-        held_ = 0;
+        start_search();
+        queue().base = link_.end;  // of a frame that waits one check fits, the next may come
+    }
+    /// Looks for frames from front_ on.
+    void start_search() noexcept {
+        for (std::size_t i = 1; i < chains_.size(); ++i) chains_[i] = {};
+        chain_found_ = false;
+        joined_ = 0;
         scan_from_ = front_;
-        scan_end_ = static_cast<std::uint16_t>(front_ + smallest_frame);
+        scan_end_ = static_cast<std::uint16_t>(front_ + 2);
+        heads_ = {};
+        passed_end_ = 0;
     }
 
     // ---- out of step
@@ -298,57 +293,99 @@ class Receiver {
         return header ? Found::header : Found::events;
     }
 
-    /// All places whose frame would be complete before `end`.
-    Found try_end(std::size_t end) noexcept {
-        const std::size_t low = end > data_frame_max ? end - data_frame_max : 0;
-        for (std::size_t p = std::max<std::size_t>(scan_from_, low); p + 4 <= end; ++p) {
-            if (bytes_[p] + 3u != end - p && bytes_[p] <= payload_max) continue;
-            if (size_at(p) != end - p) continue;
-            if (bytes_[p] > payload_max) {
-                const Found found = long_frame(p, end - p);
-                if (found == Found::nothing) continue;
-                pass(end);
-                ++scan_end_;
-                if (found == Found::header) front_ = static_cast<std::uint16_t>(end);
-                return found;
+    /// The nearest place before `from` whose data frame ends at `end`, among what may still be
+    /// searched; `from` itself where there is none.
+    std::size_t place_before(std::size_t from, std::size_t end) noexcept {
+        const std::size_t far_off = end > data_frame_max ? end - data_frame_max : 0;
+        const std::size_t low = (std::max)(std::size_t{scan_from_}, far_off);
+        std::size_t p = (std::min)(from, end - (smallest_frame - 1));
+        while (p > low) {
+            // four at a time; `sizes` are what they must be: sizes of frames that end at `end`
+            auto sizes = static_cast<std::uint32_t>(end + 1 - p) * 0x01010101u - 0x03020100u;
+            for (; p >= low + 4; p -= 4, sizes += 0x04040404u) {
+                const std::uint32_t differ = four(&bytes_[p - 4]) ^ sizes;
+                if (((differ - 0x01010101u) & ~differ & 0x80808080u) != 0) break;
             }
-            if (header_known_ && try_data(p)) return Found::chain;
+            for (const std::size_t last = p > low + 4 ? p - 4 : low; p > last;) {
+                --p;
+                if (bytes_[p] + 3u != end - p) continue;
+                spend_units((from - p) / 4);
+                return p;
+            }
         }
-        pass(end);
+        spend_units((from - low) / 4);
+        return from;
+    }
+    static std::uint32_t four(const std::uint8_t* b) noexcept {
+        return std::uint32_t{b[0]} | std::uint32_t{b[1]} << 8 | std::uint32_t{b[2]} << 16 |
+               std::uint32_t{b[3]} << 24;
+    }
+
+    /// What ends at `end`: a header or event frame, or data frames, the nearest place first.
+    Found search(std::size_t end) noexcept {
+        const Found found = search_long(end);
+        if (found != Found::nothing) return found;
+        std::size_t at = end - check_size;
+        std::uint16_t s = check_at(at);  // the start value that makes the check of [at, end) right
+        for (unsigned i = 0; header_known_ && i < places_tried && work_ > -overdraft; ++i) {
+            const std::size_t p = place_before(at, end);
+            if (p == at) break;
+            spend_units(units_place + at - p);
+            for (; at > p; --at) s = crc16_before(bytes_[at - 1], s);
+            if (!try_data(p, s)) continue;
+            chain_found_ = true;
+            return Found::chain;
+        }
         return Found::nothing;
     }
-
-    /// Chains whose next frame ended without fitting look behind it, a few times.
-    void pass(std::size_t end) noexcept {
-        for (Chain& c : chains_) {
-            if (c.count == 0 || c.expect + 2u > end) continue;  // its size is not known yet
-            const std::size_t size = size_at(c.expect);
-            if (size == 0 || c.skips == skips_max)
-                c = {};
-            else if (c.expect + size <= end) {
-                c.expect = static_cast<std::uint16_t>(c.expect + size);
-                ++c.skips;
-            }
+    /// Heads of header and event frames wait in a list until their frames are complete.
+    Found search_long(std::size_t end) noexcept {
+        const std::size_t newest = end - 2;
+        if (bytes_[newest] > payload_max && size_at(newest) > 0) {
+            heads_ = {heads_[1], heads_[2], heads_[3], static_cast<std::uint16_t>(newest + 1)};
         }
+        for (std::uint16_t& head : heads_) {
+            if (head == 0 || head - 1u + size_at(head - 1u) != end) continue;
+            const std::size_t at = head - 1u;
+            head = 0;
+            spend_units(end - at);
+            const Found found = long_frame(at, end - at);
+            if (found == Found::nothing) continue;
+            if (passed_end_ != at) passed_from_ = static_cast<std::uint16_t>(at);
+            passed_end_ = static_cast<std::uint16_t>(end);
+            if (found == Found::header) front_ = passed_end_;
+            return found;
+        }
+        return Found::nothing;
+    }
+    std::uint16_t check_at(std::size_t at) const noexcept {
+        return static_cast<std::uint16_t>(bytes_[at] << 8 | bytes_[at + 1]);
     }
 
-    /// @return true: the frame completes a chain; found_ tells which.
-    bool try_data(std::size_t p) noexcept {
-        const Frame frame = frame_at(p);
-        FrameHead head;
-        const std::uint16_t s = seed_of(frame.data, frame.size);
-        for (std::size_t i = 0; i < chains_.size(); ++i) {
-            const Chain& c = chains_[i];
-            if (c.count == 0 || c.expect != p || !fits(s, seed(link_of(c)))) continue;
-            if (!read_head(frame, head, c.end, false)) continue;
-            if (!append(chains_[i], p, frame, head)) continue;
-            found_ = static_cast<std::uint8_t>(i);
+    /// Does the frame at p stand behind the one at `before`, with at most skips_max others between?
+    bool behind(std::size_t p, std::size_t before) const noexcept {
+        for (std::size_t i = 0; i <= skips_max && before < p; ++i) {
+            const std::size_t size = size_at(before);
+            if (size == 0) return false;
+            before += size;
+            if (before == p) return true;
+        }
+        return false;
+    }
+    /// The frame at p is complete; s makes its check right. @return true: it completes a chain;
+    /// found_ tells which.
+    bool try_data(std::size_t p, std::uint16_t s) noexcept {
+        for (Chain& c : chains_) {
+            if (c.count == 0 || !behind(p, c.at[c.count - 1u]) || !append(c, p, s)) continue;
+            if (c.checks() < 2) continue;
+            found_ = static_cast<std::uint8_t>(&c - chains_.data());
             return true;
         }
-        if (known_ && fits(s, seed(link_)) && read_head(frame, head, link_.end, false)) {
-            Chain& c = free_chain();
-            set_link(c, link_);
-            append(c, p, frame, head);
+        if (known_) {
+            Chain c;
+            c.link = link_;
+            c.base = link_.end;
+            if (append(c, p, s)) free_chain() = c;
         }
         try_restarts(p, s);
         return false;
@@ -356,86 +393,48 @@ class Receiver {
 
     /// Restart frames before p, directly or with others between, that the seed of p agrees with.
     void try_restarts(std::size_t p, std::uint16_t s) noexcept {
-        std::array<std::uint16_t, restarts_tried + 1> starts{};
-        std::size_t known = 1, tried = 0, level_end = 1, level = 0;
-        starts[0] = static_cast<std::uint16_t>(p);
-        for (std::size_t i = 0; i < known; ++i) {
-            if (i == level_end) {
-                level_end = known;
-                if (++level > skips_max) break;
-            }
-            const std::size_t q = starts[i];
-            const std::size_t low = q > data_frame_max ? q - data_frame_max : 0;
-            for (std::size_t r = std::max<std::size_t>(scan_from_, low); r + 4 <= q; ++r) {
-                if (bytes_[r] + 3u != q - r && bytes_[r] <= payload_max) continue;
-                if (size_at(r) != q - r || tried == restarts_tried) continue;
-                ++tried;
-                if (known < starts.size()) starts[known++] = static_cast<std::uint16_t>(r);
-                if (bytes_[r] <= payload_max) try_restart(r, p, s);
+        std::array<std::uint16_t, restarts_tried + 1> ends{static_cast<std::uint16_t>(p)};
+        std::size_t known = 1, next = 0;
+        for (std::size_t skips = 0; skips <= skips_max; ++skips) {
+            const std::int32_t least = skips == 0 ? -overdraft : 0;
+            for (const std::size_t level = known; next < level; ++next) {
+                if (passed_end_ > 0 && ends[next] == passed_end_) ends[next] = passed_from_;
+                std::size_t from = ends[next];
+                while (known < ends.size() && work_ > least) {
+                    const std::size_t r = place_before(from, ends[next]);
+                    if (r == from) break;
+                    ends[known++] = static_cast<std::uint16_t>(from = r);
+                    if (may_restart(r)) try_restart(r, p, s);
+                }
             }
         }
     }
+    /// The first decision of a restart frame stands in the first byte of its payload.
+    bool may_restart(std::size_t at) const noexcept {
+        return timing_.independent || bytes_[at + 1] >= 0xBF;
+    }
     void try_restart(std::size_t r, std::size_t p, std::uint16_t s) noexcept {
-        const Frame restart = frame_at(r), frame = frame_at(p);
-        FrameHead first, head;
+        const Frame restart = frame_at(r);
+        FrameHead first;
+        spend_units(units_restart + restart.size);
         if (!read_head(restart, first, near_, true)) return;
-        Link link = link_behind(restart, first, link_);
-        const std::int64_t turn = sub_per_tick << timing_.time_bits;
-        for (int i = 0; i < unwraps; ++i, link.end += turn)
-            if (fits(s, seed(link)) && read_head(frame, head, link.end, false))
-                return join(r, p, first.start + (link.end - first.end), link, frame, head);
-    }
-    void join(std::size_t r, std::size_t p, std::int64_t start, const Link& link,
-              const Frame& frame, const FrameHead& head) noexcept {
-        // a second restart frame would leave the first one with a single check
-        if (head.restart && !timing_.independent) return;
-        Chain& c = free_chain();
+        Chain c;
+        c.link = link_behind(restart, first, link_);
         c.joins = true;
-        c.base = timing_.independent ? start : link.end;
-        set_link(c, link);
         c.at[c.count++] = static_cast<std::uint16_t>(r);
-        append(c, p, frame, head);
-    }
-    void forget_chains() noexcept {
-        for (Chain& c : chains_) c.count = 0;
-        queued_ = false;
+        const std::int64_t turn = sub_per_tick << timing_.time_bits, end = c.link.end;
+        for (int i = 0; i < unwraps; ++i, c.link.end += turn) {
+            c.base = timing_.independent ? first.start + (c.link.end - end) : c.link.end;
+            if (!append(c, p, s)) continue;
+            free_chain() = c;
+            return;
+        }
     }
     Chain& free_chain() noexcept {
         Chain* best = &chains_[0];
         for (Chain& c : chains_)  // an empty one, or else the oldest
             if (best->count > 0 && (c.count == 0 || c.at[0] < best->at[0])) best = &c;
-        *best = {};
         return *best;
-    }
-    /// @return true: two checks fit.
-    bool append(Chain& c, std::size_t p, const Frame& frame, const FrameHead& head) noexcept {
-        c.at[c.count++] = static_cast<std::uint16_t>(p);
-        ++c.checks;
-        set_link(c, link_behind(frame, head, link_of(c)));
-        c.expect = static_cast<std::uint16_t>(p + frame.size);
-        c.skips = 0;
-        return c.checks >= 2;
-    }
-
-    /// The next frame of a chain that was accepted; the last one may have to wait.
-    Found next_of_queue() noexcept {
-        const Chain& queue = chains_[0];
-        const bool joins = queue_at_ == 0 && queue.joins;
-        const std::size_t at = queue.at[queue_at_++];
-        frame_ = frame_at(at);
-        FrameHead head;
-        read_head(frame_, head, joins ? queue.base : link_.end, joins);
-        const Link after = link_behind(frame_, head, link_);
-        if (queue_at_ == queue.count) {
-            queued_ = false;
-            in_step_ = true;
-            front_ = static_cast<std::uint16_t>(at + frame_.size);
-            if (!trusted() && !ended_) {
-                hold(at, frame_.size, after);
-                return Found::nothing;
-            }
-        }
-        return deliver(at, after, joins);
     }
 
     // ---- memory
@@ -445,44 +444,43 @@ class Receiver {
         if (release_ > 0) drop(release_);
         release_ = 0;
     }
-    /// Out of step only: in step, two frames are the most that is kept.
-    void make_room() noexcept { drop(room_made); }
     void drop(std::size_t n) noexcept {
         const auto less = [n](std::uint16_t at) {
             return static_cast<std::uint16_t>(at > n ? at - n : 0);
         };
         for (Chain& c : chains_) {
-            if (c.count == 0) continue;
-            if (c.at[0] < n && !queued_) {
-                c.count = 0;
-                continue;
-            }
-            for (std::size_t i = 0; i < c.count; ++i) c.at[i] = less(c.at[i]);
-            c.expect = less(c.expect);
+            if (c.count > 0 && c.at[0] < n) c = {};
+            for (auto& at : c.at) at = less(at);
         }
-        held_at_ = less(held_at_);
         front_ = less(front_);
         scan_from_ = less(scan_from_);
-        scan_end_ = less(scan_end_);
+        scan_end_ = (std::max)(less(scan_end_), std::uint16_t{2});
+        for (auto& head : heads_) head = less(head);
+        passed_from_ = less(passed_from_);
+        passed_end_ = less(passed_end_);
         std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(n), bytes_.begin() + size_,
                   bytes_.begin());
         size_ = static_cast<std::uint16_t>(size_ - n);
     }
 
-    std::array<std::uint8_t, capacity> bytes_{};
-    std::array<Chain, 4> chains_{};
+    // what is used most stands first, the bytes last: near members take shorter instructions
+    std::uint16_t size_{0}, front_{0}, release_{0};
+    std::uint16_t scan_from_{0}, scan_end_{2};
+    std::uint8_t found_{0}, trust_{trust_max};
+    std::uint8_t joined_{0};  // frames of the queue that came as a chain
+    bool in_step_{false}, known_{false}, header_known_{false}, ended_{false}, joining_{false};
+    bool chain_found_{false};
+    std::uint16_t passed_from_{0}, passed_end_{0};  // the latest of heads_ that were right
+    std::int32_t work_{0};
     Frame frame_{};
-    Link link_{}, held_link_{};
+    FrameTiming timing_{};
+    Link link_{};  // behind the latest frame that was delivered
     std::int64_t near_{0};
     std::uint64_t trusted_ns_{0};
     Counters counters_{};
-    FrameTiming timing_{};
-    std::uint8_t found_{0}, queue_at_{0};  // chains_[0] is the one that was accepted, if queued_
-    std::uint16_t size_{0}, front_{0}, held_at_{0}, held_{0}, release_{0};
-    std::uint16_t scan_from_{0}, scan_end_{smallest_frame};
-    std::uint8_t trust_{trust_max};
-    bool in_step_{false}, known_{false}, header_known_{false}, ended_{false}, joining_{false};
-    bool queued_{false};
+    std::array<std::uint16_t, 4> heads_{};  // where header or event frames may begin, plus 1
+    std::array<Chain, 3> chains_{};
+    std::array<std::uint8_t, capacity> bytes_{};
 };
 
 }  // namespace fairlead::wire

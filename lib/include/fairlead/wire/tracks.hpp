@@ -21,12 +21,6 @@ struct TrackRange {
     std::uint16_t tolerance{0};  // over the step, in 1/32768
 };
 
-/// The step of a scale as a float, exact, without double arithmetic.
-inline float step_of(const curve::Scale& scale) noexcept {
-    const auto exponent = static_cast<std::uint32_t>(scale.e + 127) << 23;
-    return static_cast<float>(scale.m) * approx::detail::bit_cast<float>(exponent);
-}
-
 /// The channels of a stream, as a coder of at most Axes axes and Rotations rotations holds them.
 template <std::size_t Axes, std::size_t Rotations>
 struct Tracks {
@@ -55,7 +49,7 @@ struct Tracks {
         }
         return true;
     }
-    float step(std::size_t rotation) const noexcept { return step_of(turn[rotation]); }
+    float step(std::size_t rotation) const noexcept { return turn[rotation].template step<float>(); }
     /// range.rotates, known when compiled where only one sort of tracks exists.
     static constexpr bool turns(const TrackRange& range) noexcept {
         return Rotations > 0 && (Axes == 0 || range.rotates);
@@ -75,7 +69,7 @@ struct Tracks {
         if constexpr (Rotations > 0)
             if (rotates) {
                 turn[at] = s;
-                return curve::rotation_step_valid(step_of(s));
+                return curve::rotation_step_valid(s.template step<float>());
             }
         if constexpr (Axes > 0) scale[at] = s;
         return true;
