@@ -73,17 +73,17 @@ $(FIRMWARE)/firmware.elf: $(addprefix $(FIRMWARE)/,main.o board_mps2.o startup.o
 $(FIRMWARE)/check_frames: $(wildcard examples/firmware/*) $(shell find lib -name '*.hpp')
 	$(call step,$@) g++ $(COMMON) -O2 examples/firmware/check_frames.cpp -o $@
 
-# ---- flash of stages at -Os, and where RAM goes: what `budgets` speaks of
+# ---- flash of stages at -Os, optimised as a whole like the firmware, and where RAM goes: what `budgets` speaks of
 SMALL := $(BUILD)/small
 SMALL_STAGES := none decode
 SMALL_LINK = -nostartfiles --specs=nano.specs -Wl,--gc-sections,-T,port/cortex_m/memory.ld \
 	-Wl,--defsym=ROM=0,--defsym=ROM_SIZE=1M,--defsym=RAM=0x20000000,--defsym=RAM_SIZE=1M
 $(SMALL)/%.subject.o: tests/target/subjects/%.hpp tests/target/subject.cpp
-	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -MMD -MP -DFAIRLEAD_SUBJECT='"$<"' -c tests/target/subject.cpp -o $@
+	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto -MMD -MP -DFAIRLEAD_SUBJECT='"$<"' -c tests/target/subject.cpp -o $@
 $(SMALL)/%.o: tests/target/%.cpp
 	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -MMD -MP -c $< -o $@
 $(SMALL)/%.elf: $(SMALL)/%.subject.o $(SMALL)/bare.o $(FIRMWARE)/startup.o port/cortex_m/memory.ld
-	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) $(SMALL_LINK) $(filter %.o,$^) -o $@
+	$(call step,$@) arm-none-eabi-g++ $(FIRMWARE_FLAGS) -flto=auto $(SMALL_LINK) $(filter %.o,$^) -o $@
 BUDGETED := $(SMALL_STAGES:%=$(SMALL)/%.elf) $(SMALL)/parts.o $(FIRMWARE)/firmware.elf
 .PHONY: firmware firmware-run c-firmware-run c-library
 firmware: $(FIRMWARE)/firmware.elf

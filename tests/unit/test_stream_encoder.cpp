@@ -3,6 +3,7 @@
 // jumps, noise.
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <memory>
 #include <random>
 
@@ -453,10 +454,11 @@ TEST(StreamEncoder, ACurveMayBeginAtTheWorstPlacesOfTheGrid) {
     }
 }
 
-TEST(StreamEncoder, AMinuteAtRestIsSmall) {
+std::size_t bytes_of_a_minute_at_rest(std::int64_t header_interval_ns) {
     Both::Params params;
     params.tolerance = {0.001f, 0.0043633f};
     params.delay_records = 120;
+    params.header_interval_ns = header_interval_ns;
     auto encoder = std::make_unique<Both>(params);
     std::size_t bytes = 0;
     for (int i = 0; i < 7200; ++i)
@@ -465,8 +467,25 @@ TEST(StreamEncoder, AMinuteAtRestIsSmall) {
                             {{0.3f, 1.2f, 1.6f}, Quat{0.5f, 0.5f, 0.5f, 0.5f}}, 3, 0, false)
                      .size;
     for (Bytes out; out.status != Status::end; bytes += out.size) out = encoder->flush();
+    return bytes;
+}
+
+TEST(StreamEncoder, AMinuteAtRestIsSmall) {
+    const std::size_t bytes = bytes_of_a_minute_at_rest(Both::Params{}.header_interval_ns);
     EXPECT_LE(bytes, 800u);
-    RecordProperty("bytes", static_cast<int>(bytes));
+    std::printf("%zu bytes\n", bytes);
+}
+
+TEST(StreamEncoder, AHeaderCostsFortyBytesAtMost) {
+    // docs/gateway.md has the price of each interval; restarts tell shorter times between headers
+    const std::size_t usual = bytes_of_a_minute_at_rest(60'000'000'000);
+    for (const std::int64_t seconds : {30, 15, 10}) {
+        const std::size_t bytes = bytes_of_a_minute_at_rest(seconds * 1'000'000'000);
+        const auto more = static_cast<std::size_t>(60 / seconds - 1);
+        EXPECT_LE(bytes, usual + 40 * more) << seconds;
+        EXPECT_GE(bytes, usual + 30 * more) << seconds;
+        std::printf("a header every %d s: %zu bytes\n", static_cast<int>(seconds), bytes);
+    }
 }
 
 }  // namespace

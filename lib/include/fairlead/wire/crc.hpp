@@ -1,10 +1,6 @@
 #pragma once
 // CRC-16/CCITT (x^16 + x^12 + x^5 + 1), a nibble at a time: finds every error burst of up to 16
 // bits.
-//
-// A register is a polynomial modulo that one, and a zero byte multiplies it by x^8. So what a start
-// value or a prefix adds to the checksum of a longer piece is a product, and the checksum of any
-// piece follows from those of two prefixes, at a cost that does not depend on its length.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -43,37 +39,6 @@ constexpr std::uint16_t crc16(const std::uint8_t* data, std::size_t size,
     for (std::size_t i = 0; i < size; ++i) seed = crc16(data[i], seed);
     return seed;
 }
-
-/// The product of two registers, four bits at a time.
-constexpr std::uint16_t crc16_product(std::uint16_t a, std::uint16_t b) noexcept {
-    unsigned product = 0;
-    for (unsigned i = 0, bits = b; i < 4; ++i, bits <<= 4) {
-        const unsigned four = bits >> 12;
-        const unsigned part = (four & 8u) * a ^ (four & 4u) * a ^ (four & 2u) * a ^ (four & 1u) * a;
-        product = (product << 4) ^ crc16_table[(product >> 12) & 15u] ^ part ^
-                  crc16_table[(part >> 16) & 15u];
-    }
-    return static_cast<std::uint16_t>(product);
-}
-
-/// x^(8 n) for n up to Max, as products of two.
-template <std::size_t Max>
-struct Crc16Powers {
-    std::array<std::uint16_t, 16> low{};
-    std::array<std::uint16_t, Max / 16 + 1> high{};
-
-    constexpr Crc16Powers() noexcept {
-        std::uint16_t power = 1;
-        for (std::size_t i = 0; i <= Max || i < 16; ++i, power = crc16(0, power)) {
-            if (i < 16) low[i] = power;
-            if (i % 16 == 0) high[i / 16] = power;
-        }
-    }
-    /// The register after n zero bytes.
-    constexpr std::uint16_t after_zeros(std::uint16_t crc, std::size_t n) const noexcept {
-        return crc16_product(crc16_product(crc, high[n / 16]), low[n % 16]);
-    }
-};
 
 /// Puts the checksum of `size` bytes behind them. @return the size with it.
 constexpr std::size_t append_crc16(std::uint8_t* data, std::size_t size,

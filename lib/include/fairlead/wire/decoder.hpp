@@ -81,10 +81,7 @@ class Decoder {
     /// A header frame that the reader kept from earlier: data can be decoded before the next one
     /// comes, from a restart frame on, if the stream is still the same. @return false: refused.
     bool adopt(const std::uint8_t* frame, std::size_t size) noexcept {
-        Header header;
-        const HeaderFault fault = read_header(frame, size, header);
-        header.starts = false;
-        return take_header(fault, header);
+        return take_header(frame, size, false);
     }
 
     /// The next piece that the frame tells, track by track. @return false: none is left.
@@ -147,14 +144,16 @@ class Decoder {
         if (found == Found::chain) {
             check_chain();
         } else {
-            Header header;
-            const HeaderFault fault = read_header(frame.data, frame.size, header);
-            take_header(fault, header);
+            take_header(frame.data, frame.size, true);
         }
         return false;
     }
 
-    bool take_header(HeaderFault fault, const Header& header) noexcept {
+    /// may_begin: the header may begin a run.
+    bool take_header(const std::uint8_t* frame, std::size_t size, bool may_begin) noexcept {
+        Header header;
+        const HeaderFault fault = read_header(frame, size, header);
+        header.starts = header.starts && may_begin;
         const StreamShape& shape = header.shape;
         Layout layout;
         refused_ = fault == HeaderFault::unknown_version      ? Refused::version

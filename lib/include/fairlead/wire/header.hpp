@@ -204,7 +204,7 @@ enum class HeaderFault : std::uint8_t {
     bad_content,      // a good frame that tells nonsense
 };
 
-/// Reads a header frame of `size` bytes.
+/// Reads a header frame of `size` bytes into a new Header.
 inline HeaderFault read_header(const std::uint8_t* frame, std::size_t size,
                                Header& header) noexcept {
     if (size < 3 + crc_size || frame[0] != header_head || frame_size(frame[0], frame[1]) != size)
@@ -213,7 +213,6 @@ inline HeaderFault read_header(const std::uint8_t* frame, std::size_t size,
     detail::ByteReader crc{frame + sealed, 0, crc_size};
     if (crc.number(0, crc_size) != crc32(frame, sealed)) return HeaderFault::damaged;
     if (frame[2] != stream_version) return HeaderFault::unknown_version;
-    header = {};
     detail::ByteReader io{frame + 3, 0, sealed - 3};
     detail::code_shape(io, header.shape);
     if (!io.good) return HeaderFault::bad_content;

@@ -458,9 +458,8 @@ class Receiver {
         for (auto& head : heads_) head = less(head);
         passed_from_ = less(passed_from_);
         passed_end_ = less(passed_end_);
-        std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(n), bytes_.begin() + size_,
-                  bytes_.begin());
         size_ = static_cast<std::uint16_t>(size_ - n);
+        for (std::size_t i = 0; i < size_; ++i) bytes_[i] = bytes_[i + n];
     }
 
     // what is used most stands first, the bytes last: near members take shorter instructions

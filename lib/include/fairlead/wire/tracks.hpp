@@ -49,7 +49,9 @@ struct Tracks {
         }
         return true;
     }
-    float step(std::size_t rotation) const noexcept { return turn[rotation].template step<float>(); }
+    float step(std::size_t rotation) const noexcept {
+        return turn[rotation].template step<float>();
+    }
     /// range.rotates, known when compiled where only one sort of tracks exists.
     static constexpr bool turns(const TrackRange& range) noexcept {
         return Rotations > 0 && (Axes == 0 || range.rotates);
@@ -83,6 +85,8 @@ struct TrackStates {
     std::array<curve::RotationState, Rotations> rotation{};
     std::uint8_t live{0};    // a bit for each channel: its curve goes on
     std::uint8_t hidden{0};  // likewise: a reader joined, the slope at the curve's end is not known
+
+    [[gnu::noinline]] TrackStates() noexcept {}  // one code for all that begin anew
 
     curve::StateView track(const TrackRange& range, std::size_t track) noexcept {
         if constexpr (Rotations == 0)

@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "fairlead/base/status.hpp"
+#include "host_sim/study/baselines/earlier/wire/crc_powers.hpp"
 #include "host_sim/study/baselines/earlier/wire/layout.hpp"
 
 namespace fairlead::earlier::wire {
