@@ -17,7 +17,7 @@ PLANTINGS = [
      r"\1    static R* volatile kept = new R{};\n    *kept = q.w;\n", r"_sbrk|heap:"),
     ("libm sinf", QUAT, r"s = sc\.sin / n;", r"s = static_cast<R>(__builtin_sinf(static_cast<float>(n))) / n;",
      r"C library: libm"),
-    ("fused multiply-add", "tests/target/target.mk", r"-ffp-contract=off", r"-ffp-contract=fast", r"fused multiply-add: vfm"),
+    ("fused multiply-add", ".ci/flags.mk", r"-ffp-contract=off", r"-ffp-contract=fast", r"fused multiply-add: vfm"),
     ("recursion", QUAT, r"(template <class R>\ninline BasicVec3<R> log\(.*?\{\n)(.*?return )(\(approx::atan2)",
      r"template <class R>\n[[gnu::noinline]] R planted(R x) {\n    return x > 4 ? planted(x / 2) + 1 : x;\n}\n"
      r"\1\2planted(n) / planted(n) * \3", r"recursion: "),
