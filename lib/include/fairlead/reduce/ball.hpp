@@ -25,8 +25,8 @@ class Ball {
     using Sample = Place;
     static constexpr int tries_max = 6;   // candidates of a hypothesis that are compared
     static constexpr int offers_max = 3;  // of these, how many it may offer
-    static constexpr int budget = 300;    // comparisons with samples a column, once it has a child
-    static constexpr int budget_hard = 600;
+    /// Comparisons with samples a column; and as many again for the newest where none fits.
+    static constexpr int budget = 150;
 
   protected:
     using Open = Hypothesis<3>;
@@ -34,6 +34,12 @@ class Ball {
 
     void begin(std::int32_t) noexcept {}
     void begin_column() noexcept { work_ = 0; }
+    /// A second budget, where the first is spent.
+    bool renew() noexcept {
+        const bool was_spent = spent();
+        if (was_spent) work_ = 0;
+        return was_spent;
+    }
 
     static float from(float y, std::int16_t v) noexcept { return y - static_cast<float>(v); }
     static float room(float radius, float, float) noexcept { return radius; }
@@ -44,6 +50,7 @@ class Ball {
     template <class Search, class Source>
     void offer(Search& search, const Open& o, const Ending<3>& ending, const Column<3>& at,
                const Source& source) noexcept {
+        if (spent()) return;
         if (at.told != nullptr) {
             offer_told(search, o, ending, at, source);
             return;
@@ -79,7 +86,7 @@ class Ball {
         for (int i = 0; i < n && offered < offers_max; ++i) {
             const Candidate<3>& c = candidates[static_cast<std::size_t>(i)];
             if (i == tries_max && offered > 0) break;
-            if (c.cost >= search.worst() || spent(search)) break;
+            if (c.cost >= search.worst() || spent()) break;
             const Place p{static_cast<float>(c.p[0]), static_cast<float>(c.p[1]),
                           static_cast<float>(c.p[2])};
             const auto child = search.make(o, ending, c);
@@ -93,10 +100,7 @@ class Ball {
   private:
     using Triple = std::array<std::int32_t, 3>;
 
-    template <class Search>
-    bool spent(const Search& search) const noexcept {
-        return work_ > (search.count() > 0 ? budget : budget_hard);
-    }
+    bool spent() const noexcept { return work_ > budget; }
 
     /// The frame tells where it ends: the piece leads there.
     template <class Search, class Source>
@@ -109,7 +113,7 @@ class Ball {
             const float bend = (p[a] - o.s[a] * hf) / (o.shape == Shape::line ? hf : hf * hf);
             if (o.shape != Shape::fresh && (bend < o.low[a] || bend > o.high[a])) return;
         }
-        if (spent(search) || !fits(search, o, p, ending.h, at, source)) return;
+        if (!fits(search, o, p, ending.h, at, source)) return;
         auto child = search.make(o, ending, {ending.base, {}, {}});
         for (std::size_t a = 0; a < 3; ++a)
             child.s[a] = curve::slope_onto(o.slope[a], o.shape != Shape::quadratic, p[a], ending.h);
@@ -193,18 +197,26 @@ class Ball {
                 c[a] = {o.s[a], (p[a] - ahead) * i2, 0.0f};
         }
         const float limit = search.radius() * search.radius();
-        for (std::size_t i = at.last, first = source.first(o.column); i > first; --i) {
+        // begins with the sample that refuted the piece before: it is likely to refute this one too
+        const std::size_t first = source.first(o.column);
+        const bool again = refuted_by_ >= first && refuted_by_ < at.last;
+        std::size_t i = again ? refuted_by_ + 1 : at.last;
+        for (std::size_t left = at.last - first; left > 0; --left) {
+            if (i == first) i = at.last;
+            --i;
             ++work_;
-            const curve::Moment m = source.when(i - 1);
+            const curve::Moment m = source.when(i);
             const float t = static_cast<float>(m.tick - source.start_tick() - o.tick) + m.part;
-            const Place& y = source.place(i - 1);
+            const Place& y = source.place(i);
             float n = 0;
             for (std::size_t a = 0; a < 3; ++a) {
                 const float bend = o.shape == Shape::fresh ? c[a].c2 + t * c[a].c3 : c[a].c2;
                 const float e = (y[a] - static_cast<float>(o.v[a])) - t * (c[a].c1 + t * bend);
                 n += e * e;
             }
-            if (!(n <= limit)) return false;
+            if (n <= limit) continue;
+            refuted_by_ = i;
+            return false;
         }
         return true;
     }
@@ -224,6 +236,7 @@ class Ball {
     }
 
     int work_{0};
+    std::size_t refuted_by_{0};  // the sample that did not hold last
 };
 
 }  // namespace fairlead::reduce

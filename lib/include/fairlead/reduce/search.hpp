@@ -89,6 +89,13 @@ class Search : private Geometry {
             ++kept;
         }
         open_count_ = kept;
+        if (column_count_ > 0 || !Geometry::renew()) return;
+        // long pieces took the whole budget, and none fits: the newest first
+        for (std::size_t i = open_count_; i-- > 0 && column_count_ == 0;) {
+            const std::int32_t h = at.tick - open_[i].tick;
+            const std::uint8_t code = curve::index_of(h);
+            if (code != curve::code::none || at.end) close(open_[i], h, code, at, source);
+        }
     }
 
     /// Offers a jump from the column before: what is always possible. Call after column().
