@@ -1,8 +1,6 @@
-// Real hands: where nothing is missing, no curve of few knots breaks, and those of few bytes hardly
-// ever: a break is one of their pieces, and is taken where all others cost more.
+// Real hands: where nothing is missing, no curve breaks.
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <string>
 
@@ -18,7 +16,7 @@ using namespace fairlead::sim;
 TEST(Recordings, HoldNoMotionThatBreaks) {
     const std::string folder = "../shared/recordings/tracker120";
     if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "no recordings in " << folder;
-    std::size_t runs = 0, samples = 0, breaks = 0;
+    std::size_t runs = 0, samples = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         const Recording whole = read_recording(entry.path().string());
         for (const Channel kind : {Channel::position, Channel::orientation}) {
@@ -39,18 +37,15 @@ TEST(Recordings, HoldNoMotionThatBreaks) {
                             options.position ? result.position : result.orientation;
                         const std::string what = entry.path().string() + " " +
                                                  to_string(objective) + " " + to_string(beam);
-                        if (objective == Objective::knots)
-                            EXPECT_EQ(channel.breaks, 0u) << what;
-                        else
-                            breaks += channel.breaks, samples += channel.samples;
+                        EXPECT_EQ(channel.breaks, 0u) << what;
+                        samples += channel.samples;
                         EXPECT_EQ(channel.curves, 1u) << what;
                         ++runs;
                     }
         }
     }
     EXPECT_GE(runs, 8u);
-    std::printf("few bytes: %zu breaks in %zu samples\n", breaks, samples);
-    EXPECT_LE(breaks * 10000, samples);  // a break is cheap where the motion itself nearly jumps
+    EXPECT_GT(samples, 700'000u);
 }
 
 }  // namespace
