@@ -17,12 +17,15 @@ namespace fairlead::reduce {
 
 using code::Cost;
 
-/// Sizes of a search. Width: children a column; Open: open hypotheses. Small: 2, 24; medium: 3, 32;
-/// large: 8, 64. Wider costs work and memory and saves bytes: docs/choosing.md.
-template <std::size_t WidthN, std::size_t OpenN>
+/// Sizes of a search. Width: children a column; Open: open hypotheses; Spare: pushes over which a
+/// frame is checked and coded, at most; they are lost to its window. Small: 2, 24, 6; medium: 3,
+/// 32, 6; large: 8, 64, 2. Wider costs work and memory and saves bytes, and so does less spare:
+/// docs/choosing.md.
+template <std::size_t WidthN, std::size_t OpenN, std::uint32_t SpareN = 6>
 struct Beam {
     static constexpr std::size_t width = WidthN;
     static constexpr std::size_t open = OpenN;
+    static constexpr std::uint32_t spare = SpareN;
     /// Part of the tolerance that the search uses, less its margin. Tests plant faults with more
     /// than 1, and show that no frame with a fault leaves.
     static constexpr float trust = 1.0f;

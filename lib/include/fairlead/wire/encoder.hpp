@@ -31,12 +31,13 @@ namespace fairlead::wire {
 /// Sizes of a search (reduce/beam.hpp): wider costs work and memory, and saves bytes.
 using Small = reduce::Beam<2, 24>;
 using Medium = reduce::Beam<3, 32>;
-using Large = reduce::Beam<8, 64>;
+using Large = reduce::Beam<8, 64, 2>;
 
 /// A channel of D numbers, each within its tolerance by itself.
 template <std::size_t D, class BeamT = Medium, class KindT = curve::Smooth>
 struct Vector {
     using Kind = KindT;
+    using Beam = BeamT;
     using Value = std::array<float, D>;
     template <std::size_t Window>
     using Channel = reduce::VectorChannel<D, Kind, BeamT, Window>;
@@ -47,6 +48,7 @@ struct Vector {
 template <class BeamT = Medium, class KindT = curve::Smooth>
 struct Orientation {
     using Kind = KindT;
+    using Beam = BeamT;
     using Value = Quat;
     template <std::size_t Window>
     using Channel = reduce::RotationChannel<Kind, BeamT, Window>;
@@ -77,7 +79,11 @@ class Encoder {
     /// Pushes from the commit of a frame to its last byte, by the delay: short windows are coded at
     /// once.
     static constexpr std::uint32_t spare(std::uint32_t delay_records) noexcept {
-        return delay_records >= 96 ? 6 : delay_records >= 48 ? 3 : delay_records >= 24 ? 2 : 0;
+        const std::uint32_t usual = delay_records >= 96   ? 6
+                                    : delay_records >= 48 ? 3
+                                    : delay_records >= 24 ? 2
+                                                          : 0;
+        return (std::min)({usual, Channels::Beam::spare...});
     }
     /// Records of the reducer's window at a delay, and the most at any delay of the type.
     static constexpr std::uint32_t window_records(std::uint32_t delay_records) noexcept {
