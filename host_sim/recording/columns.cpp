@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 
+#include "host_sim/recording/decimal.hpp"
 #include "host_sim/recording/spec.hpp"
 
 namespace fairlead::sim {
@@ -50,6 +51,13 @@ Name taken_apart(std::string_view text) {
     const auto open = close == std::string_view::npos ? close : text.find_last_of("[(", close);
     // brackets within brackets, as in m/(s^2): take the outermost
     const auto first = text.find_first_of("[(");
+    if (first != std::string_view::npos && close != std::string_view::npos && close > first &&
+        text.substr(close + 1).find_first_not_of(" \t\"':") != std::string_view::npos) {
+        add_tokens(text.substr(0, first),
+                   name.tokens);  // IMU(0):accelX: what is in them is no unit
+        add_tokens(text.substr(close + 1), name.tokens);
+        return name;
+    }
     if (open != std::string_view::npos && first != std::string_view::npos && close > first) {
         name.has_bracket = true;
         name.bracket = text.substr(first + 1, close - first - 1);
@@ -76,16 +84,19 @@ const Words accel_words{"acc",      "accel", "accelerometer", "acceleration",
 const Words mag_words{"mag", "magn", "magnetometer", "magnetic", "magneto", "compass", "magnet"};
 const Words position_words{"pos", "position", "translation", "trans", "location"};
 const Words quaternion_words{"quat", "quaternion", "orientation", "rotation", "rot", "attitude"};
-const Words time_words{"t",   "time",  "timestamp", "timestamps", "stamp", "ts",
-                       "utc", "epoch", "elapsed",   "tstamp",     "clock", "datetime"};
+const Words time_words{"t",        "time",  "timestamp", "timestamps", "stamp",  "ts",
+                       "utc",      "epoch", "epoc",      "elapsed",    "tstamp", "clock",
+                       "datetime", "date",  "zeit",      "uhrzeit",    "tiempo"};
 const Words count_words{"num",     "number", "n",      "no",  "index",         "idx",
                         "id",      "i",      "frame",  "seq", "sequence",      "count",
                         "counter", "sample", "packet", "row", "packetcounter", "samplenumber"};
-const Words other_words{"bias",      "cov",      "covariance", "std",   "stddev", "sigma",
-                        "var",       "variance", "err",        "error", "offset", "roll",
-                        "pitch",     "yaw",      "heading",    "lat",   "lon",    "latitude",
-                        "longitude", "altitude", "pressure",   "euler", "gravity"};
-const Words secondary_words{"linear", "lin", "user", "uncal", "uncalibrated", "raw"};
+const Words other_words{"bias",      "cov",      "covariance", "std",    "stddev",  "sigma",
+                        "var",       "variance", "err",        "error",  "offset",  "roll",
+                        "pitch",     "yaw",      "heading",    "lat",    "lon",     "latitude",
+                        "longitude", "altitude", "pressure",   "euler",  "gravity", "inc",
+                        "increment", "delta",    "reset",      "azimuth"};
+const Words secondary_words{"linear",       "lin",    "user",       "free", "uncal",
+                            "uncalibrated", "unfilt", "unfiltered", "raw"};
 
 /// x, y, z with a unit that only one quantity has: "x (rad/s)".
 Role role_of_unit(const std::string& bracket) {
@@ -97,6 +108,29 @@ Role role_of_unit(const std::string& bracket) {
             ++count;
         }
     return count == 1 ? found : Role::bare;
+}
+
+/// A name that says nothing, with an axis and a unit of one sensor alone: "Beschl. X (m/s2)".
+void take_role_of_unit(Column& column, const std::string& bracket) {
+    const Role role = role_of_unit(bracket);
+    if (role != Role::gyro && role != Role::accel && role != Role::mag) return;
+    if (real64(bracket)) return;  // a factor is a unit of anything
+    column.role = role;
+    column.by_unit = true;
+}
+
+/// An angle about an axis or in a turn, where a quaternion has no unit.
+bool is_angle(const std::string& bracket) {
+    const std::string plain = plain_unit(bracket);
+    for (const char* word : {"deg", "rad", "azimuth", "pitch", "roll", "yaw"})
+        if (plain.find(word) != std::string::npos) return true;
+    return false;
+}
+
+/// T alone: a time, but T (degC) is a temperature.
+Role role_of_t(const std::string& bracket) {
+    if (plain_unit(bracket).empty() || unit_of(Quantity::time, bracket)) return Role::time;
+    return unit_of(Quantity::temperature, bracket) ? Role::temperature : Role::unknown;
 }
 
 bool any(const Tokens& tokens, const Words& words) {
@@ -131,6 +165,15 @@ int take_axis(Tokens& tokens, bool& numbered) {
     const int axis = axis_of(std::string_view(&end, 1));
     if (axis >= 0) last = stem;
     return axis;
+}
+
+/// Of no use here: a bias, an angle, a term of a controller (axisP[0]).
+bool is_other(const Tokens& tokens) {
+    const auto says = [](const std::string& t) { return among(t, other_words); };
+    const auto first = std::find_if(tokens.begin(), tokens.end(), says);
+    if (first == tokens.end()) return tokens.size() > 1 && tokens.front() == "axis";
+    const bool offset_time = *first == "offset" && any(tokens, time_words);  // from the start
+    return !offset_time || std::any_of(first + 1, tokens.end(), says);
 }
 
 /// An axis in the middle of a name: Accel_LN_X_CAL, gyro_x_raw.
@@ -192,9 +235,11 @@ Role scalar_role(const Tokens& tokens, bool sensor) {
     if (tokens.size() == 1 && tokens[0] == "gap") return Role::gap;
     if (tokens.size() == 1 && tokens[0] == "moving") return Role::moving;
     if (any(tokens, {"temp", "temperature", "tempc"})) return Role::temperature;
+    if (any(tokens, {"tick", "ticks"})) return Role::ignored;  // of a clock of any rate
     if (!sensor && any(tokens, time_words)) return Role::time;
     const bool alone = std::all_of(tokens.begin(), tokens.end(), [](const std::string& t) {
-        return unit_of(Quantity::time, t).has_value();
+        return std::isdigit(static_cast<unsigned char>(t.front())) == 0 &&
+               unit_of(Quantity::time, t).has_value();
     });
     if (!tokens.empty() && alone) return Role::time;
     if (sensor && any(tokens, time_words)) return Role::time;
@@ -261,7 +306,7 @@ void read_unit(Column& column, const Name& name, Tokens tokens, const Tokens& be
     } else if (column.role == Role::time || column.role == Role::time_rest) {
         column.unit = take_unit(tokens, *quantity, 0);
         for (std::size_t i = 0; !column.unit && i < tokens.size(); ++i)  // seconds_elapsed
-            column.unit = unit_of(*quantity, tokens[i]);
+            if (tokens[i].size() > 1) column.unit = unit_of(*quantity, tokens[i]);
     } else {
         column.unit = take_unit(tokens, *quantity, 1);
     }
@@ -325,7 +370,9 @@ Column column_of(std::string_view text) {
         }
     while (tokens.size() > 1 && among(tokens.back(), {"raw", "cal", "calibrated", "value"}))
         tokens.pop_back();
-    const bool other = any(name.tokens, other_words);
+    if (tokens.size() > 1 && tokens.back() == "axis" && axis_of(tokens[tokens.size() - 2]) >= 0)
+        tokens.pop_back();  // x-axis
+    const bool other = is_other(name.tokens);
     const bool sensor =
         any(tokens, gyro_words) || any(tokens, accel_words) || any(tokens, mag_words);
     column.secondary = any(name.tokens, secondary_words) && !any(tokens, {"angular"});
@@ -343,6 +390,10 @@ Column column_of(std::string_view text) {
         column.role = scalar_role(tokens, sensor);
     }
     if (column.role == Role::bare && column.axis < 3) column.role = role_of_unit(name.bracket);
+    if (column.role == Role::unknown && column.axis >= 0 && column.axis < 3 && !column.numbered)
+        take_role_of_unit(column, name.bracket);
+    if (column.role == Role::quaternion && is_angle(name.bracket)) column.role = Role::unknown;
+    if (column.role == Role::time && tokens == Tokens{"t"}) column.role = role_of_t(name.bracket);
     if (column.role == Role::quaternion)
         column.axis = column.numbered ? column.axis : (column.axis + 1) % 4;  // w, x, y, z
     else if (column.axis == 3 && column.role != Role::bare)

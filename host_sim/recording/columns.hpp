@@ -35,6 +35,7 @@ struct Column {
     std::string name;          // as the file writes it
     std::string unknown_unit;  // what stands in brackets and is no unit of this quantity
     bool secondary{};          // linear, user or uncalibrated: used only where nothing better is
+    bool by_unit{};            // the sensor is told by the unit alone, not by the name
     bool numbered{};           // a quaternion's axis is a number: which one is the scalar?
 };
 

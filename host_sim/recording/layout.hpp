@@ -17,6 +17,7 @@ struct Layout {
     Style style;
     std::vector<Column> columns;     // one per field; units are settled
     std::string header;              // the text of the header line; empty: none
+    std::size_t first_line{};        // number of the first record's line
     bool no_times{};                 // times come from --rate or --times
     bool matrix{};                   // columns 0..11 are the rows of a 3 x 4 matrix (KITTI)
     std::vector<std::string> notes;  // what was taken where the file does not say it
@@ -32,7 +33,9 @@ struct Evidence {
 
 /// `sensor_hint`: the sensor of columns named x, y, z alone; Role::bare: not known.
 /// Throws BadData with what is ambiguous or missing, and how to go on.
-Layout layout_of(std::string_view text, const ReadOptions& options, Role sensor_hint);
+/// `date_column`: the field whose dates were rewritten as seconds; none: npos.
+Layout layout_of(std::string_view text, const ReadOptions& options, Role sensor_hint,
+                 std::size_t date_column = std::string_view::npos);
 
 /// The sensor that a file's name tells: Gyroscope.csv, accel_1.csv, Magnetometer.csv.
 Role sensor_of_name(const std::string& path);

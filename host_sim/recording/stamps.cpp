@@ -24,7 +24,7 @@ std::vector<std::int64_t> times_of(const ReadOptions& options, std::vector<std::
     std::string storage;
     std::vector<std::string> ignored;
     std::string decimal_storage;
-    bool dates = false;
+    std::size_t dates = std::string_view::npos;
     LineReader reader{
         with_decimal_times(as_utf8(bytes, storage, ignored), decimal_storage, dates, notes)};
     Line line;
@@ -41,7 +41,7 @@ std::vector<std::int64_t> times_of(const ReadOptions& options, std::vector<std::
         lines.push_back(line);
         numbers.push_back(*value);
     }
-    const std::string name = dates ? "s" : given_unit(options.units);
+    const std::string name = dates != std::string_view::npos ? "s" : given_unit(options.units);
     std::string rates;
     const auto unit =
         name.empty() ? time_unit(numbers, pose_rates, rates) : unit_of(Quantity::time, name);

@@ -15,11 +15,14 @@ struct Table {
     std::vector<Line> records;   // the first records, at most evidence_rows
     std::size_t columns{};       // of the first record; 0: the file holds none
     std::size_t first_number{};  // its line
+    bool preamble{};             // lines with numbers stand in `before`
 };
 
 inline constexpr std::size_t evidence_rows = 4096, columns_most = 4096;
 
-Table table_of(std::string_view text);
+/// `columns`: of the records, where the user says it; else 0. Lines before the header that hold
+/// numbers too, or have another number of fields, are a preamble, as many loggers write one.
+Table table_of(std::string_view text, std::size_t columns = 0);
 Evidence evidence_of(const Table& table);
 
 /// "sep=;", by which spreadsheets name the separator.

@@ -86,8 +86,13 @@ class RowReader {
     std::int64_t stamp(const Fields& fields, std::size_t i, int shift) {
         const auto value = scaled_integer(number(fields, i), shift);
         if (value) return *value;
-        throw FieldError{i, "is not a time in " + layout_.columns[i].unit->name +
-                                ", a decimal number within 292 years of zero"};
+        const bool date = fields[i].find_first_of(":/") != std::string_view::npos;
+        throw FieldError{
+            i, "is not a time in " + layout_.columns[i].unit->name +
+                   (date ? ": dates are read as 2023-05-01T12:34:56.789, 01-May-2023 12:34:56.789 "
+                           "or 12:34:56.789 alone"
+                         : ", a decimal number within 292 years of zero") +
+                   "; --rate HZ or --times FILE gives other times"};
     }
 
     std::int64_t time_of(const Fields& fields) {
@@ -268,6 +273,7 @@ void read_rows(std::string_view text, const Layout& layout, const ReadOptions& o
     Fields fields;
     bool first = true;
     while (reader.next(line)) {
+        if (line.number < layout.first_line) continue;
         if (line.comment || is_separator_line(line.text)) continue;
         if (options.progress && recording.size() % 256 == 0)
             options.progress(static_cast<std::size_t>(line.text.data() - text.data()), text.size());
@@ -276,12 +282,7 @@ void read_rows(std::string_view text, const Layout& layout, const ReadOptions& o
                           ": zero bytes, as a cut of power leaves them; --salvage uses the "
                           "records before it");
         split_fields(line.text, layout.style.separator, fields);
-        if (first) {
-            bool words = true;  // the header and what stands beside it
-            for (const auto f : fields) words = words && !is_number(f, layout.style);
-            if (words) continue;
-            note_resolution(layout, fields, recording);
-        }
+        if (first) note_resolution(layout, fields, recording);
         first = false;
         if (!layout.header.empty() && line.text == layout.header) {
             recording.notes.push_back("the header is repeated in line " +
@@ -305,12 +306,11 @@ void read_rows(std::string_view text, const Layout& layout, const ReadOptions& o
 void parse_text(std::string_view bytes, const ReadOptions& given, Role sensor_hint,
                 Recording& recording) {
     std::string storage, decimal_storage;
-    bool dates = false;
+    std::size_t date_column = std::string_view::npos;
     const std::string_view text = with_decimal_times(as_utf8(bytes, storage, recording.notes),
-                                                     decimal_storage, dates, recording.notes);
-    ReadOptions options = given;
-    if (dates) options.units += options.units.empty() ? "t=s" : ",t=s";
-    const Layout layout = layout_of(text, options, sensor_hint);
+                                                     decimal_storage, date_column, recording.notes);
+    const ReadOptions& options = given;
+    const Layout layout = layout_of(text, options, sensor_hint, date_column);
     if (layout.columns.empty()) return;
     recording.format = layout.format;
     recording.columns = described(layout);

@@ -138,7 +138,7 @@ class Chooser {
         if (!unit)
             throw BadData("the unit of the times in " + where + " is not named, and " +
                           "the rate does not tell it (" + rates + "); say it: --units t=ns, " +
-                          "t=us, t=ms or t=s");
+                          "t=us, t=ms, t=s or a power of ten of a second, as t=1e-4");
         set(Role::time, *unit);
         layout_.notes.push_back("times in " + where + " are taken as " + unit->name +
                                 text(", %.4g Hz", rate_hz(times, *unit)) +
