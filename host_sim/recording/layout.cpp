@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "host_sim/recording/bare_layout.hpp"
 #include "host_sim/recording/decimal.hpp"
@@ -355,11 +356,15 @@ void settle_times(std::vector<Column>& columns, const Evidence& evidence,
     for (std::size_t k = 1; k < times.size(); ++k)
         if (!one_clock(evidence.columns[times[0]], evidence.columns[times[k]]))
             refuse_two_clocks(columns[times[0]], columns[times[k]]);
-    const auto finer = std::max_element(times.begin(), times.end(), [&](auto a, auto b) {
-        const double sa = typical_step(evidence.columns[a]);
-        const double sb = typical_step(evidence.columns[b]);
-        return (evidence.whole[a] ? sa : 0) < (evidence.whole[b] ? sb : 0);
-    });
+    // the time of the measurement before that of its arrival; then the finer one
+    const auto rank = [&](std::size_t i) {
+        const std::string& name = columns[i].name;
+        const bool measured = name.find("header") != name.npos || name.find("sample") != name.npos;
+        const double step = evidence.whole[i] ? typical_step(evidence.columns[i]) : 0;
+        return std::pair{measured, step};
+    };
+    const auto finer = std::max_element(times.begin(), times.end(),
+                                        [&](auto a, auto b) { return rank(a) < rank(b); });
     for (const std::size_t i : times)
         if (i != *finer) set_unused(columns[i]);
     notes.push_back("times are those of column '" + columns[*finer].name + "'");

@@ -41,6 +41,7 @@ std::map<std::string, std::string> values_of(int i) {
         put("sec", 100 + i / 100, "%.0f");
     put("nsec", i % 100 * 1e7, "%.0f"), put("clock", t, "12:34:%06.3f"),
         put("ticks", 45000.0 * i, "%.0f");
+    put("late", 6e9 + 1e7 * i + i * i % 7 * 1e4, "%.0f");
     out["e"] = out["s"] + "E0";
     return out;
 }
@@ -124,6 +125,10 @@ const Logger loggers[] = {
      "Mag_Y_CAL\tS_Mag_Z_CAL\t\n"
      "ms\tm/(s^2)\tm/(s^2)\tm/(s^2)\tlocal_flux\tlocal_flux\tlocal_flux\t\n",
      "{ms}\t{ax}\t{ay}\t{az}\t{mx}\t{my}\t{mz}\t", "am", "", "", "mag=1"},
+    {"ROS 1 by rostopic",
+     "%time,field.header.seq,field.header.stamp,field.angular_velocity.x,field.angular_velocity.y,"
+     "field.angular_velocity.z\n",
+     "{late},{i},{ns},{gx},{gy},{gz}", "g", "'field.header.stamp'"},
     {"ROS 1 bag by bagpy",
      "Time,header.stamp.secs,header.stamp.nsecs,header.frame_id,orientation.x,orientation.y,"
      "orientation.z,orientation.w,"
