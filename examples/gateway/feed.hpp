@@ -3,12 +3,28 @@
 #include <cstdint>
 
 #include "fairlead/base/types.hpp"
+#include "fairlead/sense/calibrate.hpp"
 #include "port/linux/handover.hpp"
 #include "port/linux/registers_curve.hpp"
 
 namespace fairlead::gateway {
 
 enum class SourceKind : std::uint16_t { replay = 1, serial = 2, sensor = 3 };
+
+/// Bits of CalibrationState::sensors and done.
+namespace calibration_bit {
+inline constexpr std::uint16_t gyro = 1, accel = 2, mag = 4;
+}
+
+/// How far the calibration of a unit's sensors has come (calibration_watch.hpp).
+struct CalibrationState {
+    std::uint16_t sensors{};  // whose readings are seen; 0: the source sends none
+    std::uint16_t done{};     // what was found is below
+    std::uint16_t gyro_percent{}, mag_percent{};
+    std::uint16_t accel_faces{};  // bit i: face i is complete, +x, -x, +y, -y, +z, -z up
+    Vec3 gyro_offset_rad_s{};
+    Affine accel{}, mag{};
+};
 
 /// Everything that a source knows about itself, and the newest pose. One copy, published whole.
 struct UnitState {
@@ -49,6 +65,7 @@ struct UnitState {
     } sensor;  // on this machine
     std::uint32_t events_dropped{};
     std::uint32_t events_lost{};  // those among them
+    CalibrationState calibration{};
 };
 
 enum class SpanKind : std::uint8_t {

@@ -231,6 +231,75 @@ inline constexpr auto fields = rows({
     state<Type::u16, &UnitState::stream_id>(182, "stream.id", "",
                                             "the stream that is followed, by its header"),
 
+    state<Type::u16, &UnitState::calibration, &CalibrationState::sensors>(
+        183, "calibration.sensors", "bits",
+        "1 gyroscope, 2 accelerometer, 4 magnetometer: readings are seen; 0: the source sends "
+        "none"),
+    state<Type::u16, &UnitState::calibration, &CalibrationState::done>(
+        184, "calibration.done", "bits", "the same: calibrated by what follows"),
+    state<Type::u16, &UnitState::calibration, &CalibrationState::gyro_percent>(
+        185, "calibration.gyro_percent", "%", "of the time that the board must lie still"),
+    state<Type::u16, &UnitState::calibration, &CalibrationState::accel_faces>(
+        186, "calibration.accel_faces", "bits",
+        "faces on which the board has lain: +x, -x, +y, -y, +z, -z up"),
+    state<Type::u16, &UnitState::calibration, &CalibrationState::mag_percent>(
+        187, "calibration.mag_percent", "%",
+        "of the directions through which the board must be turned"),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::gyro_offset_rad_s, &Vec3::x>(
+        188, "calibration.gyro_offset_x", "rad/s", "truth = reading - offset"),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::gyro_offset_rad_s, &Vec3::y>(
+        190, "calibration.gyro_offset_y", "rad/s", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::gyro_offset_rad_s, &Vec3::z>(
+        192, "calibration.gyro_offset_z", "rad/s", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::offset, &Vec3::x>(
+        194, "calibration.accel_offset_x", "m/s2", "truth = matrix * (reading - offset)"),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::offset, &Vec3::y>(
+        196, "calibration.accel_offset_y", "m/s2", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::offset, &Vec3::z>(
+        198, "calibration.accel_offset_z", "m/s2", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::x,
+          &Vec3::x>(200, "calibration.accel_matrix_11", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::x,
+          &Vec3::y>(202, "calibration.accel_matrix_12", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::x,
+          &Vec3::z>(204, "calibration.accel_matrix_13", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::y,
+          &Vec3::x>(206, "calibration.accel_matrix_21", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::y,
+          &Vec3::y>(208, "calibration.accel_matrix_22", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::y,
+          &Vec3::z>(210, "calibration.accel_matrix_23", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::z,
+          &Vec3::x>(212, "calibration.accel_matrix_31", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::z,
+          &Vec3::y>(214, "calibration.accel_matrix_32", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::accel, &Affine::matrix, &Mat3::z,
+          &Vec3::z>(216, "calibration.accel_matrix_33", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::offset, &Vec3::x>(
+        218, "calibration.mag_offset_x", "uT", "truth = matrix * (reading - offset)"),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::offset, &Vec3::y>(
+        220, "calibration.mag_offset_y", "uT", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::offset, &Vec3::z>(
+        222, "calibration.mag_offset_z", "uT", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::x,
+          &Vec3::x>(224, "calibration.mag_matrix_11", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::x,
+          &Vec3::y>(226, "calibration.mag_matrix_12", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::x,
+          &Vec3::z>(228, "calibration.mag_matrix_13", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::y,
+          &Vec3::x>(230, "calibration.mag_matrix_21", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::y,
+          &Vec3::y>(232, "calibration.mag_matrix_22", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::y,
+          &Vec3::z>(234, "calibration.mag_matrix_23", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::z,
+          &Vec3::x>(236, "calibration.mag_matrix_31", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::z,
+          &Vec3::y>(238, "calibration.mag_matrix_32", "1", ""),
+    state<Type::f32, &UnitState::calibration, &CalibrationState::mag, &Affine::matrix, &Mat3::z,
+          &Vec3::z>(240, "calibration.mag_matrix_33", "1", ""),
+
     page(256, Type::u32, "events.epoch", "first event page (4 pages of 125): header as in history"),
     page(258, Type::u32, "events.first", "number of the page's first event"),
     page(260, Type::u16, "events.count", "events in this page, at most 19"),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "examples/gateway/calibration_watch.hpp"
 #include "examples/gateway/chain.hpp"
 #include "examples/gateway/follower.hpp"
 #include "examples/gateway/live.hpp"
@@ -78,6 +79,10 @@ class Replay : public Source {
             const std::int64_t due_ns = began_ns + static_cast<std::int64_t>(since);
             if (!sleep_until(due_ns)) return false;
             state.arrival_ns = std::max(due_ns, state.arrival_ns);
+            if constexpr (std::is_same_v<Record, Sample>) {
+                calibration_.push(record);
+                state.calibration = calibration_.state();
+            }
             const Bytes bytes = chain.push(record);
             follower.take(bytes.data, bytes.size);
             state.samples += 1;
@@ -100,6 +105,7 @@ class Replay : public Source {
     UnitConfig unit_;
     sim::Recording recording_;
     LivePose live_;
+    CalibrationWatch calibration_;
 };
 
 }  // namespace

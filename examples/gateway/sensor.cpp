@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "examples/gateway/calibration_watch.hpp"
 #include "examples/gateway/chain.hpp"
 #include "examples/gateway/clock_map.hpp"
 #include "examples/gateway/follower.hpp"
@@ -78,11 +79,13 @@ class Sensor : public Source {
             }
             take_events();
             for (std::size_t i = 0; i < batch_.count; ++i) {
+                calibration_.push(batch_.samples[i]);
                 const Bytes bytes = chain_->push(batch_.samples[i]);
                 follower.take(bytes.data, bytes.size);
                 if (const auto pose = chain_->pose()) live_.show(*pose, state);
             }
             state.samples += static_cast<std::uint32_t>(batch_.count);
+            state.calibration = calibration_.state();
             count(loop.counts(), state);
             if (batch_.count > 0) {
                 heard_ns = state.arrival_ns;
@@ -124,6 +127,7 @@ class Sensor : public Source {
     std::unique_ptr<Chain<Sample>> chain_;
     port::Batch batch_{};
     LivePose live_;
+    CalibrationWatch calibration_;
 };
 
 }  // namespace

@@ -103,6 +103,26 @@ void put(std::string& out, const char* name, std::initializer_list<float> values
     out += "]";
 }
 
+/// truth = matrix * (reading - offset), as one list of twelve.
+void put(std::string& out, const char* name, const Affine& a) {
+    const Mat3& m = a.matrix;
+    put(out, name,
+        {a.offset.x, a.offset.y, a.offset.z, m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y,
+         m.z.z});
+}
+
+void put(std::string& out, const gateway::CalibrationState& c) {
+    const Vec3& g = c.gyro_offset_rad_s;
+    put(out, "sensors", c.sensors);
+    put(out, "done", c.done);
+    put(out, "gyro_percent", c.gyro_percent);
+    put(out, "accel_faces", c.accel_faces);
+    put(out, "mag_percent", c.mag_percent);
+    put(out, "gyro_offset", {g.x, g.y, g.z});
+    put(out, "accel", c.accel);
+    put(out, "mag", c.mag);
+}
+
 /// One line of JSON; names as examples/live/page/live.js reads them.
 std::string as_json(const gateway::UnitState& s, std::int64_t now_ns, int viewers) {
     std::string out = "{\"viewers\":" + std::to_string(viewers);
@@ -125,6 +145,7 @@ std::string as_json(const gateway::UnitState& s, std::int64_t now_ns, int viewer
              {"publish_us", s.publish_us},
              {"publish_max_us", s.publish_max_us}})
         put(out, name, count);
+    put(out, s.calibration);
     return out + "}";
 }
 

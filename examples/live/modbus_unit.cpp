@@ -95,7 +95,34 @@ class ModbusUnit : public Source {
         s.publications = u32(FAIRLEAD_ROW("health.publications"));
         s.publish_us = u32(FAIRLEAD_ROW("health.publish_us"));
         s.publish_max_us = u32(FAIRLEAD_ROW("health.publish_max_us"));
+        take_calibration(table, s.calibration);
 #undef FAIRLEAD_ROW
+    }
+
+    /// A gateway of an earlier map has zeros there: no sensor is watched.
+    static void take_calibration(const Registers& table, CalibrationState& c) {
+        const auto word = [&](const char* name) {
+            return static_cast<std::uint16_t>(
+                port::registers::get_word(table.data(), map::field(name)));
+        };
+        const auto vector = [&](const char* first) {
+            const std::uint16_t* at = table.data() + map::field(first).address;
+            return Vec3{port::registers::get_f32(at), port::registers::get_f32(at + 2),
+                        port::registers::get_f32(at + 4)};
+        };
+        c.sensors = word("calibration.sensors");
+        c.done = word("calibration.done");
+        c.gyro_percent = word("calibration.gyro_percent");
+        c.accel_faces = word("calibration.accel_faces");
+        c.mag_percent = word("calibration.mag_percent");
+        c.gyro_offset_rad_s = vector("calibration.gyro_offset_x");
+        c.accel.offset = vector("calibration.accel_offset_x");
+        c.accel.matrix = {vector("calibration.accel_matrix_11"),
+                          vector("calibration.accel_matrix_21"),
+                          vector("calibration.accel_matrix_31")};
+        c.mag.offset = vector("calibration.mag_offset_x");
+        c.mag.matrix = {vector("calibration.mag_matrix_11"), vector("calibration.mag_matrix_21"),
+                        vector("calibration.mag_matrix_31")};
     }
 
     modbus_t* context_;

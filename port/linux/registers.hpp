@@ -160,7 +160,7 @@ constexpr const Field& find(const std::array<Row<Record>, N>& rows,
 }
 
 inline constexpr std::uint32_t magic = 0x464C'4431;   // "FLD1"
-inline constexpr std::uint16_t map_version = 0x0200;  // major, minor
+inline constexpr std::uint16_t map_version = 0x0201;  // major, minor
 
 inline constexpr std::uint16_t page_size = 125;  // one request
 inline constexpr std::uint16_t page_header = 8;  // registers before a page's records

@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 """The live view in a real browser: a replay, a unit of a gateway, and the firmware image under QEMU on a serial line."""
+import contextlib
 import http.client
+import json
+import math
 import os
 import re
 import shutil
@@ -61,16 +64,106 @@ def test_a_replay(folder):
         watch(page, live.url, "live_replay")
 
 
-def test_a_unit_of_a_gateway(folder):
-    gateway = subprocess.Popen([BUILD / "fairlead-gateway", "--replay", replayed(folder), "--loop", "--listen", "127.0.0.1:0"],
+@contextlib.contextmanager
+def running_gateway(*arguments):
+    """The port of a gateway that ends with the test."""
+    gateway = subprocess.Popen([BUILD / "fairlead-gateway", "--listen", "127.0.0.1:0", *map(str, arguments)],
                                stderr=subprocess.PIPE, text=True)
     try:
-        port = re.search(r"ready port=(\d+)", gateway.stderr.readline()).group(1)
-        with Live("--gateway", f"127.0.0.1:{port}") as live, Browser(folder) as page:
-            watch(page, live.url, "live_gateway")
+        yield re.search(r"ready port=(\d+)", gateway.stderr.readline()).group(1)
     finally:
         gateway.terminate()
-        gateway.wait(timeout=10)
+        assert gateway.wait(timeout=10) == 0
+
+
+def test_a_unit_of_a_gateway(folder):
+    """It runs beside the gateway: other clients are served all the while."""
+    with running_gateway("--replay", replayed(folder), "--loop") as port:
+        with Live("--gateway", f"127.0.0.1:{port}") as live, Browser(folder) as page:
+            watch(page, live.url, "live_gateway")
+            polled = subprocess.run([BUILD / "fairlead-poll", "127.0.0.1", "--port", port, "--seconds", "2", "--every", "0.2"],
+                                    capture_output=True, text=True, timeout=20, check=False)
+            assert polled.returncode == 0 and "lost spans 0," in polled.stdout, polled
+            assert page.run("return live.newest.status >> 9 & 1") == 0, "the live view lost the gateway"
+
+
+def calibration_motion(path):
+    """A board that lies on its six faces and is then turned through all directions, as text of an IMU."""
+    step, g = 0.01, 9.80665
+    faces = [(0, 0, 1), (0, 1, 0), (0, 0, -1), (0, -1, 0), (1, 0, 0), (-1, 0, 0)]
+    rows, t = ["t [s],gx [rad/s],gy,gz,ax [m/s2],ay,az,mx [uT],my,mz"], 0.0
+    def row(rate, up):
+        nonlocal t
+        wave = 1e-3 * math.sin(50 * t)
+        field = [44 * u + h for u, h in zip(up, (30, -20, 12))]
+        rows.append(",".join(f"{v:.9g}" for v in (
+            t, *(r + o + wave for r, o in zip(rate, (0.02, -0.01, 0.03))), *(g * u + wave for u in up), *field)))
+        t += step
+    for face in faces:
+        for _ in range(250):
+            row((0, 0, 0), face)
+        for _ in range(20):
+            row((1, 1, 1), face)
+    for i in range(3000):  # a spiral over the sphere
+        z, a = math.cos(math.pi * i / 3000), 0.05 * i
+        r = math.sqrt(max(0.0, 1 - z * z))
+        row((1, 2, 1), (r * math.cos(a), r * math.sin(a), z))
+    path.write_text("\n".join(rows) + "\n", encoding="ascii")
+    return path
+
+
+def expect_progress(port):
+    """From the first values to the last, all three rise, and are done at 100 percent."""
+    connection, response = ask(port, "GET", "/values")
+    seen = []
+    while not seen or seen[-1]["done"] < 7:
+        line = response.readline()
+        assert line, "the stream ended"
+        if line.startswith(b"data: "):
+            seen.append(json.loads(line[6:]))
+    connection.close()
+    faces = [bin(v["accel_faces"]).count("1") for v in seen]
+    for course in (faces, [v["gyro_percent"] for v in seen], [v["mag_percent"] for v in seen]):
+        assert course == sorted(course) and len(set(course)) > 3, course
+    assert all((v["done"] & 4 > 0) == (v["mag_percent"] == 100) for v in seen)
+
+
+def watch_calibration(page, live, folder):
+    """All is done in the end, and the gateway takes what was found."""
+    page.driver.get(live.url)
+    page.until("document.documentElement.dataset.ready && live.newest && live.newest.sequence > 0", "values come in")
+    assert page.run("return document.getElementById('calibration-section').hidden") is False
+    page.until("live.newest.done === 7 && document.getElementById('calibration-mag').value === 100", "all is done", 60)
+    page.until("document.getElementById('found').textContent.includes('mag_matrix')", "what was found is shown")
+    page.shot("live_calibration")
+    found = page.run("return document.getElementById('found').textContent")
+    offset = [float(x) for x in re.search(r"mag_offset_uT = \[(.*)\]", found).group(1).split(",")]
+    assert all(abs(a - b) < 1 for a, b in zip(offset, (30, -20, 12))), offset
+    (folder / "found.toml").write_text(found, encoding="utf-8")
+    (folder / "gateway.toml").write_text(
+        '[server]\nlisten = ["127.0.0.1:0"]\n[[unit]]\nid = 1\nname = "board"\nsource = "sensor"\nsensor = "lsm6dso"\nbus = 1\n'
+        'chip = "/dev/gpiochip0"\nline = 17\ncalibration = "found.toml"\n', encoding="utf-8")
+    checked = subprocess.run([BUILD / "fairlead-gateway", "--check", "--config", folder / "gateway.toml"],
+                             capture_output=True, text=True, timeout=10, check=False)
+    assert checked.returncode == 0, checked.stderr
+    assert page.errors() == [], page.errors()
+
+
+def test_the_progress_of_a_calibration(folder):
+    motion = calibration_motion(folder / "calibration.csv")
+    with Live("--replay", motion, "--speed", 4) as live:
+        expect_progress(live.port)
+        with Browser(folder) as page:
+            watch_calibration(page, live, folder)
+
+
+def test_the_progress_of_a_calibration_through_a_gateway(folder):
+    motion = calibration_motion(folder / "calibration.csv")
+    with running_gateway("--replay", motion, "--speed", 4) as port:
+        with Live("--gateway", f"127.0.0.1:{port}") as live:
+            expect_progress(live.port)
+            with Browser(folder) as page:
+                watch_calibration(page, live, folder)
 
 
 def test_the_firmware_on_a_serial_line(folder):

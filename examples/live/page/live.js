@@ -6,7 +6,7 @@
   const stage = element("div", { class: "body3d", id: "body" });
   const cards = element("section", { class: "cards" });
   const charts = element("div");
-  root.append(stage, cards, charts);
+  root.append(stage, cards);
 
   // ---- cards: the newest figures
   const card = (id, name) => {
@@ -19,6 +19,37 @@
                  delay: card("delay", "Age of the pose"), faults: card("faults", "Faults") };
   const bits = ["orientation", "position", "stale", "no data", "gap", "rest", "settling",
                 "field disturbed", "clipped", "source lost", "out of step", "finished"];
+
+  // ---- calibration: what is to be done, how far it is, and what was found
+  const steps = element("div", { id: "calibration" }), found = element("pre", { id: "found" });
+  const calibration = element("section", { class: "chart", id: "calibration-section" },
+    element("header", {}, element("h2", {}, "Calibration")), steps, found);
+  root.append(calibration, charts);
+  const step = (id, name) => {
+    const bar = element("progress", { id: "calibration-" + id, max: 100, value: 0 }), note = element("span");
+    const line = element("p", {}, name + " ", bar, " ", note);
+    steps.append(line);
+    return (shown, percent, text) => { line.hidden = !shown; bar.value = percent; note.textContent = percent + " %, " + text; };
+  };
+  const progress = { gyro: step("gyro", "Gyroscope"), accel: step("accel", "Accelerometer"), mag: step("mag", "Magnetometer") };
+  const faces = ["+x", "\u2212x", "+y", "\u2212y", "+z", "\u2212z"];
+  function calibrate(v) {
+    const sees = (k) => (v.sensors >> k & 1) === 1, done = (k) => (v.done >> k & 1) === 1;
+    calibration.hidden = v.sensors === 0;  // a board on a serial line sends no readings
+    const missing = faces.filter((_, k) => !(v.accel_faces >> k & 1));
+    progress.gyro(sees(0), v.gyro_percent, done(0) ? "done" : "let it lie still");
+    progress.accel(sees(1), Math.round(100 * (6 - missing.length) / 6), done(1) ? "done" : missing.length === 0
+      ? "faces do not agree: begin anew, and lay it straighter" : "lay it on its faces; up are still to come " + missing.join(" "));
+    progress.mag(sees(2), v.mag_percent, done(2) ? "done" : "turn it slowly through all directions");
+    const list = (values) => "[" + values.map((x) => +x.toPrecision(6)).join(", ") + "]";
+    const lines = [];
+    if (done(0)) lines.push("gyro_offset_rad_s = " + list(v.gyro_offset));
+    if (done(1)) lines.push("accel_offset_m_s2 = " + list(v.accel.slice(0, 3)), "accel_matrix = " + list(v.accel.slice(3)));
+    if (done(2)) lines.push("mag_offset_uT = " + list(v.mag.slice(0, 3)), "mag_matrix = " + list(v.mag.slice(3)));
+    const text = lines.length ? "# for the unit's calibration file\n" + lines.join("\n") : "";
+    if (found.textContent !== text) found.textContent = text;  // a selection of the text is kept
+    found.hidden = text === "";
+  }
 
   // ---- charts that run
   const rows = { rotation: [], rate: [], position: [], age: [] }, graphs = {};
@@ -89,6 +120,7 @@
     show.bytes(per("bytes"), v.bytes + " in all, " + v.frames + " frames");
     show.delay(known ? (v.age * 1e3).toFixed(0) + " ms" : "–", "publishing took " + v.publish_us + " µs, at most " + v.publish_max_us);
     show.faults(v.faults + v.damaged, `${v.faults} samples, ${v.damaged} losses of step, ${v.breaks} breaks, ${v.gaps} gaps`);
+    calibrate(v);
     last = v;
   }
   // drawing follows the screen, not the messages: a slow machine draws less often and keeps up
