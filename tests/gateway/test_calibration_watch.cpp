@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "examples/gateway/calibration_watch.hpp"
-#include "host_sim/random.hpp"
+#include "host_sim/generate/random.hpp"
 
 using namespace fairlead;
 using namespace fairlead::gateway;
