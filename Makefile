@@ -6,7 +6,7 @@
 #   programs       one line for each archive and each program; one recipe for all of them
 #   targets        "name: prerequisites ## [tasks] help text": documented targets. The tasks in brackets say
 #                  what the target needs; .ci/packages lists the packages of each task. A documented target
-#                  without brackets is an error.
+#                  without brackets is an error. It is phony; no other list says so.
 # make calls itself only for another compiler, a sanitizer or a microcontroller (tests/target/target.mk).
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -33,6 +33,7 @@ include .ci/progress.mk
 GOALS := $(or $(MAKECMDGOALS),$(.DEFAULT_GOAL))
 # help needs nothing but make and a shell
 WORK  := $(filter-out help,$(GOALS))
+.PHONY: help $(if $(WORK),$(shell sed -n 's/^\([a-z][a-z-]*\):.*\#\# \[.*/\1/p' Makefile))
 # c-library needs a cross compiler where the call names a core
 CORE_TASKS := $(if $(filter c-library,$(GOALS)),$(if $(filter m%,$(CORE)),task:cortex-m) $(if $(filter rv%,$(CORE)),task:risc-v))
 ifeq (,$(COUNTING)$(DRY_RUN)$(filter no,$(SETUP)))
@@ -127,7 +128,6 @@ $(HEADERS_OK): $(BUILD)/headers/%.ok: lib/include/%.hpp $(LIB_HEADERS)
 	@touch $@
 
 ##@ Start here
-.PHONY: help demo test
 help: ## [] list the targets
 	@while IFS= read -r line; do case $$line in \
 	  '##@ '*) printf '\n%s\n' "$${line#??? }" ;; \
@@ -151,7 +151,6 @@ test: $(TESTED) ## [build demo script gateway test] build and run all tests that
 	@BUILD=$(BUILD) tests/run $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 
 ##@ Build
-.PHONY: all sim record gateway live headers registers readme docs clean
 all: sim record gateway live ## [] build every program that a user runs
 sim: $(BUILD)/fairlead-sim ## [build] build the host simulator, build/fairlead-sim
 record: $(BUILD)/fairlead-record ## [build port] build the recorder, build/fairlead-record
@@ -172,7 +171,6 @@ clean: ## [] remove everything that was built
 	rm -rf build
 
 ##@ More tests
-.PHONY: fresh-machine test-clang test-sanitize test-strain same-bytes
 TARGETS ?= demo test
 RUN_AS  ?= both
 fresh-machine: ## [fresh] run TARGETS="demo test" on a bare Debian 12 made for it, as root and as a user with sudo (RUN_AS=root|user|both)
@@ -180,7 +178,7 @@ fresh-machine: ## [fresh] run TARGETS="demo test" on a bare Debian 12 made for i
 test-clang: ## [build demo script gateway test clang] the same tests, built with clang++
 	+@$(MAKE) test BUILD=build/clang CXX=clang++
 test-sanitize: ## [build demo script gateway test clang sanitize] the same tests under AddressSanitizer and UBSan
-	+@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-g -D_GLIBCXX_ASSERTIONS -fsanitize=address,undefined -fno-sanitize-recover=all'
+	+@$(MAKE) test BUILD=build/sanitize CXX=clang++ OPT=-O1 EXTRA='-g -D_GLIBCXX_ASSERTIONS $(call sanitize,address$(comma)undefined)'
 test-strain: $(BUILD)/tests/strain ## [build] hold fixed-lag strain smoothing to the whole-buffer solve, on every tracker recording (minutes)
 	@tests/run $(BUILD)/tests/strain
 same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
@@ -189,7 +187,7 @@ same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 
 # fuzz targets: clang, AddressSanitizer and UBSan, libFuzzer's own main; the parts that they search are compiled with them
 SECONDS      ?= 60
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.cpp,$(BUILD)/fuzz/%,$(call sources,tests/fuzz/*.cpp))
-FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all
+FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS $(call sanitize,fuzzer$(comma)address$(comma)undefined)
 $(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp $(LIB_HEADERS) $(call sources,tests/fuzz/*.hpp tests/pipeline/*.hpp)
 	@mkdir -p $(@D)
 	$(call step,$<) clang++ $(BASE) -Wno-double-promotion $(FUZZ_FLAGS) $(filter %.cpp %.a,$^) $(FUZZ_LIBS) -o $@
@@ -200,7 +198,6 @@ $(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
 $(BUILD)/fuzz/modbus_rtu: port/linux/modbus.cpp port/linux/modbus_rtu.cpp port/linux/modbus_net.cpp port/linux/serial.cpp
 $(BUILD)/fuzz/modbus_rtu: FUZZ_LIBS := -lmodbus -lutil
 $(BUILD)/fuzz/follower: $(addprefix examples/gateway/,follower.cpp span_maker.cpp)
-.PHONY: fuzz mutants pipeline-search
 STREAMS ?= 1000
 SEED    ?= 1
 pipeline-search: $(BUILD)/pipeline-search ## [compile] lead random streams through whole pipelines and judge them from the bytes (STREAMS=1000 SEED=1)
@@ -210,13 +207,11 @@ mutants: $(SIM:%=$(BUILD)/lib%.a) ## [build script test] mutation testing of lib
 fuzz: $(FUZZ_TARGETS) ## [build gateway clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
 
-.PHONY: browser-test
 browser-test: sim gateway live ## [script browser cortex-m cortex-m-emulator] drive report and live view in headless Chromium: zoom, cursor, playback (two minutes)
 	+@$(TARGET) $(BUILD)/target/firmware/firmware.elf
 	@BUILD=$(BUILD) tests/run tests/browser/test_report.py tests/browser/test_live.py
 	@grep -h ' MB, ready after ' $(BUILD)/browser/figures.txt
 
-.PHONY: gateway-peers gateway-firmware gateway-sanitize gateway-measure linux-vm-test
 gateway-peers: gateway ## [script modbus-peers] other people's Modbus clients against the gateway, TCP and RTU
 	@/usr/bin/python3 tests/gateway/service.py $(BUILD)
 	@/usr/bin/python3 tests/gateway/peers.py $(BUILD)
@@ -230,12 +225,11 @@ gateway-sanitize: $(SANITIZERS:%=gateway-sanitize-%) ## [build test gateway clan
 $(SANITIZERS:%=gateway-sanitize-%): SANITIZED = $(BUILD)/sanitize-$(@:gateway-sanitize-%=%)
 $(SANITIZERS:%=gateway-sanitize-%): export TSAN_OPTIONS := halt_on_error=1
 $(SANITIZERS:%=gateway-sanitize-%): gateway-sanitize-%:
-	+@$(MAKE) BUILD=$(SANITIZED) CXX=clang++ OPT=-O1 EXTRA="-g -fsanitize=$(if $(filter address,$*),address$(comma)undefined,$*) -fno-sanitize-recover=all" \
+	+@$(MAKE) BUILD=$(SANITIZED) CXX=clang++ OPT=-O1 EXTRA="-g $(call sanitize,$(if $(filter address,$*),address$(comma)undefined,$*))" \
 	  $(addprefix $(SANITIZED)/,tests/gateway fairlead-gateway fairlead-gateway-measure)
 	@tests/run $(SANITIZED)/tests/gateway
 	@set -e; for run in '--growth 100000 memory' noise restart; do \
 	  $(SANITIZED)/fairlead-gateway-measure --gateway $(SANITIZED)/fairlead-gateway --seconds 20 $$run; done
-comma := ,
 MEASURED := torn load history noise noise-table restart '--seconds 20 allocations' '--seconds 600 memory'
 gateway-measure: gateway $(BUILD)/fairlead-gateway-measure $(BUILD)/count_allocations.so ## [script] the figures of docs/gateway.md: a quarter of an hour
 	@set -e; for what in $(MEASURED); do echo "fairlead-gateway-measure $$what"; $(BUILD)/fairlead-gateway-measure $$what; done
@@ -245,7 +239,6 @@ VM_RECORDING := $(or $(firstword $(wildcard $(RECORDINGS)/08*.imu $(RECORDINGS)/
 linux-vm-test: gateway $(VM_PROGRAMS) ## [linux-vm] boot a Debian kernel under QEMU and run the port against it (minutes)
 	@tests/linux_vm/run $(BUILD) $(VM_RECORDING)
 
-.PHONY: format format-check tidy
 # what is generated, or keeps the kernel's style, is not formatted
 OWN_SOURCES = $(shell git ls-files -co --exclude-standard '*.hpp' '*.cpp' '*.h' '*.c' \
                 ':!examples/gateway/clients' ':!tests/linux_vm/module')
@@ -257,21 +250,7 @@ tidy: ## [tidy compile] clang-tidy over the library
 	@mkdir -p $(BUILD) && printf '#include "%s"\n' $(LIB_HEADERS:lib/include/%=%) > $(BUILD)/tidy.cpp
 	@clang-tidy --quiet --header-filter='lib/include/.*' $(BUILD)/tidy.cpp -- $(BASE)
 
-# the gateway against any text as its configuration; the Debian package
-.PHONY: fuzz-config deb
-MINUTES     ?= 1
-FUZZ_CONFIG := $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp toml_parser.cpp text_file.cpp) \
-               $(addprefix port/linux/,modbus_net.cpp serial.cpp i2c.cpp i2c_smbus.cpp spidev.cpp) tests/fuzz/config.cpp
-fuzz-config: ## [gateway clang sanitize] search for a configuration that stops the gateway, for MINUTES=1
-	@mkdir -p $(BUILD)/fuzz/config && cp examples/gateway/gateway.toml $(BUILD)/fuzz/config/
-	clang++ $(BASE) -Wno-everything -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $(FUZZ_CONFIG) -o $(BUILD)/fuzz/fuzz-config
-	$(BUILD)/fuzz/fuzz-config -dict=tests/fuzz/toml.dict -max_len=4096 -timeout=5 -max_total_time=$$(( 60 * $(MINUTES) )) $(BUILD)/fuzz/config
-deb: gateway record sim live ## [deb] build the Debian package of the programs, and check it with lintian
-	@examples/gateway/deb/build $(BUILD)
-	@lintian --fail-on error $(BUILD)/fairlead_*.deb
-
 ##@ Measure, and write the tables of the documentation
-.PHONY: bench bench-smooth bench-peers choosing compare experiments attitude-table attitude-day attitude-counts
 bench: bench-smooth ## [] time smoothing beside its rivals (also: bench-peers, compare, attitude-table)
 bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing beside gradient descent and fairing
 	$<
@@ -299,7 +278,6 @@ attitude-counts: ## [compile script cortex-m cortex-m-emulator] instructions of 
 	@tests/target/attitude_counts.py --build $(BUILD)/target --recordings $(RECORDINGS)
 
 # TABLE_NOTE stands in the generated file; a change of the tables is a change of the stream's format
-.PHONY: tables
 TABLE_RECORDINGS ?= $(call sources,$(RECORDINGS)/tracker120/*.trk)
 TABLE_NOTE       ?= the 13 recordings of tracker120 (BROAD): delays 60 to 240 records, 1 to 5 mm, 0.25 to 1 deg
 tables: $(SIM:%=$(BUILD)/lib%.a) ## [build script] train the tables of symbol costs on TABLE_RECORDINGS (minutes)
@@ -311,7 +289,6 @@ C_CORE    := $(if $(filter command line environment,$(origin CORE)),$(CORE))
 C_LIBRARY := $(BUILD)/c-library
 include lib/c/library.mk
 $(eval $(call c_library,$(C_LIBRARY)/host,$(or $(CONFIG),examples/firmware/config.hpp),host,$(CXX),nm,ar,$(DEVICE) -fno-threadsafe-statics))
-.PHONY: c-library c-firmware-run
 $(if $(and $(filter c-library,$(GOALS)),$(CONFIG)),$(if $(wildcard $(CONFIG)),,$(error there is no file '$(CONFIG)')))
 ifeq (,$(C_CORE))
 c-library: $(C_LIBRARY)/host/fairlead.h $(C_LIBRARY)/host/libfairlead.a
@@ -327,10 +304,9 @@ c-firmware-run: ## [compile cortex-m cortex-m-emulator script] run the firmware 
 ##@ Cortex-M and RISC-V under an emulator (docs/target.md, docs/bounds.md)
 TARGET = $(MAKE) -f tests/target/target.mk BUILD=$(BUILD)/target
 CORE  ?= m4f
-.PHONY: target-test target-soak bounds size firmware-run must-fail port-device
 target-test: ## [compile script reference clang cortex-m cortex-m-emulator risc-v stack-bound] the same bits on every core, exact counts, BOUNDS.md, heap and stack checks, a firmware run
 	+@$(TARGET) calibrate same-bits bounds trap c-firmware-run recordings
-target-soak: ## [compile script clang cortex-m cortex-m-emulator risc-v stack-bound] all recordings on all cores, and a longer search for dear streams
+target-soak: ## [compile script clang cortex-m cortex-m-emulator risc-v stack-bound] all recordings on all cores, and a longer search for expensive streams
 	+@$(TARGET) same-bits search recordings SOAK=1
 bounds: ## [compile script reference cortex-m cortex-m-emulator stack-bound] check BOUNDS.md (ACCEPT=1: write it), or your CONFIG=header CORE=m4f RECORDING=file BUDGET=n
 	+@$(TARGET) $(if $(CONFIG),user CORES=$(CORE),bounds)
@@ -347,7 +323,6 @@ $(BUILD)/device/drivers.o: tests/port/device/drivers.cpp $(wildcard port/sensors
 	$(call step,$<) arm-none-eabi-g++ $(wordlist 7,99,$(shell grep "^m4f " port/cortex_m/cores)) $(filter-out -pthread,$(DEVICE)) $(BARE_MACHINE) -c $< -o $@
 
 ##@ Compilers and packages (docs/portability.md, docs/packages.md, docs/versions.md)
-.PHONY: compilers install uninstall dist test-packages release-check
 compilers: ## [script compilers] the public headers with all compilers, standards, warnings and other people's macros; what flags do
 	@tests/compilers/check.py
 	@tests/compilers/flags.py
@@ -360,6 +335,9 @@ uninstall: ## [] remove what install put there
 PROJECT_URL ?=
 dist: ## [script] make the release archives in build/dist (PROJECT_URL: the page that the manifests name)
 	@lib/packages/dist.py --url '$(PROJECT_URL)' $(BUILD)/dist
+deb: gateway record sim live ## [deb] build the Debian package of the programs, and check it with lintian
+	@examples/gateway/deb/build $(BUILD)
+	@lintian --fail-on error $(BUILD)/fairlead_*.deb
 test-packages: ## [packages] make the archives, unpack each, and use it as its ecosystem does
 	@/usr/bin/python3 tests/packages/check.py
 release-check: ## [script] is this commit ready to be tagged as a release? says what is missing

@@ -9,3 +9,6 @@ BARE_CPP := -fno-exceptions -fno-rtti
 BARE_MACHINE := -fno-threadsafe-statics -fno-use-cxa-atexit -ffunction-sections -fdata-sections
 # C users compile the header and the examples with these
 STRICT_C := -std=c99 -Wall -Wextra -pedantic -Wconversion -Wshadow -Werror
+# $(call sanitize,LIST): what a sanitizer finds ends the program
+sanitize = -fsanitize=$(1) -fno-sanitize-recover=all
+comma := ,

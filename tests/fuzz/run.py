@@ -10,12 +10,14 @@ import concurrent.futures
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
-LENGTH = {"modbus_adu": 400, "attitude": 600}  # longest input, bytes; others 1000
+LENGTH = {"modbus_adu": 400, "attitude": 600, "config": 4096}  # longest input, bytes; others 1000
+SEEDS = {"config": HERE.parents[1] / "examples/gateway/gateway.toml"}  # a file of the tree to begin with; NAME.dict: words
 
 
 def targets():
@@ -28,8 +30,11 @@ def fuzz(build, target, seconds, seed):
     corpus = HERE / "corpus" / target
     for folder in (found, work):
         folder.mkdir(parents=True, exist_ok=True)
+    if target in SEEDS:
+        shutil.copy(SEEDS[target], work)
+    words = HERE / f"{target}.dict"
     start = time.monotonic()
-    command = [program, f"-max_total_time={seconds}", f"-seed={seed}", f"-max_len={LENGTH.get(target, 1000)}", "-timeout=20",
+    command = [program, *([f"-dict={words}"] if words.is_file() else []), f"-max_total_time={seconds}", f"-seed={seed}", f"-max_len={LENGTH.get(target, 1000)}", "-timeout=20",
                "-rss_limit_mb=2000", "-print_final_stats=1", f"-artifact_prefix={found}/{target}-", work]
     done = subprocess.run(command + ([corpus] if corpus.is_dir() else []), capture_output=True, text=True, errors="replace",
                           timeout=seconds * 4 + 120, check=False)

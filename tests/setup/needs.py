@@ -29,7 +29,7 @@ MARKS = {
     "python3": r"\.py\b|/usr/bin/python3", "python3-yaml": r"import yaml",
     "doxygen": word("doxygen"), "clang-format": word("clang-format"), "clang-tidy": word("clang-tidy"),
     "cmake": r'\bcmake -|"cmake", ', "pkgconf": word("pkg-config"),
-    "gnuplot-nox": r'fairlead-sim (?:replay|compare|experiment)|"make".*"demo"',
+    "gnuplot-nox": r'fairlead-sim (?:replay|compare|experiment)|"make".*"demo"|\["gnuplot"\]',
     "g++-11": word("g++-11"), "g++-12": word("g++-12"), "g++-12-multilib": r"-m32\b", "clang-14": word("clang++-14"),
     "clang-16": word("clang++-16"), "clang-19": word("clang++-19"), "gcc-xtensa-lx106": r"xtensa-lx106-elf-g\+\+",
     "python3-kconfiglib": r"import kconfiglib",

@@ -1,5 +1,5 @@
 #pragma once
-// Checks of parameters: which field is refused, told by name.
+// Checks of parameters: the name of the field that is refused.
 //
 // A parameter struct P names its fields and their ranges once, in P::each(); check(params), the
 // test of docs/parameters.md and the tools all read that one table. Checks are constexpr, so that
