@@ -152,7 +152,7 @@ class RotationChannel {
     // ---- the committed frame
     const Segment& segment() const noexcept { return segment_; }
     void rewind() noexcept { cursor_ = {}; }
-    std::size_t samples() const noexcept { return samples_.old_count(); }
+    std::size_t size() const noexcept { return 3 * frame_steps_; }
 
     // ---- the way on where a committed frame is not right: as in VectorChannel
 

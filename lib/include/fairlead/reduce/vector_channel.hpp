@@ -164,7 +164,12 @@ class VectorChannel {
     // ---- the committed frame
     const Segment& segment() const noexcept { return segment_; }
     void rewind() noexcept { cursor_ = {}; }
-    std::size_t samples() const noexcept { return samples_.old_count(); }
+    /// Components of its steps, about the work to code them.
+    std::size_t size() const noexcept {
+        std::size_t all = 0;
+        for (const std::size_t n : step_count_) all += n;
+        return all;
+    }
 
     // ---- the way on where a committed frame is not right: steps over its samples
 
@@ -264,7 +269,7 @@ class VectorChannel {
     /// done; failures() counts samples outside the tolerance, which the search's margin excludes.
     bool check(std::size_t samples) noexcept {
         Check& k = check_;
-        for (; k.axis < D; ++k.axis, k.sample = 0, k.piece = {}, k.to = k.from = 0) {
+        for (; k.axis < D; ++k.axis, k.sample = 0) {
             for (; k.sample < samples_.old_count(); ++k.sample) {
                 if (samples-- == 0) return false;
                 if (segment_.present && !holds(k)) ++failures_;
@@ -292,9 +297,8 @@ class VectorChannel {
     struct Check {
         std::size_t axis{0}, sample{0};
         std::int32_t from{0}, to{0};  // of the piece, sub-ticks of the frame
-        curve::State<1> before{};
-        PieceType piece{};
-        std::int32_t v{};  // at its end
+        std::int32_t v{};             // at its start
+        curve::Polynomial<float> c{};
     };
 
     /// A constant's box: the lattice values that hold all samples added.
@@ -345,27 +349,28 @@ class VectorChannel {
     bool holds(Check& k) noexcept {
         const curve::Moment at = samples_.old_when(k.sample);
         const std::int32_t start = segment_.start_tick * curve::subs_per_tick;
-        if (k.sample == 0) k.from = k.to = start, k.v = segment_.start[k.axis].v[0];
+        if (k.sample == 0) k = {k.axis, 0, start, start, segment_.start[k.axis].v[0], {}};
         const auto behind = [&at](std::int32_t subs) {
             const auto whole = static_cast<float>(at.tick - subs / curve::subs_per_tick);
             const auto part = static_cast<float>(subs % curve::subs_per_tick);
             return whole + (at.part - part / static_cast<float>(curve::subs_per_tick));
         };
         for (std::size_t i = 0; i <= Window * jump_parts_max && behind(k.to) > 0.0f; ++i) {
-            k.before =
-                cursor_.begun && cursor_.axis == k.axis ? cursor_.state : segment_.start[k.axis];
+            const bool goes_on = cursor_.begun && cursor_.axis == k.axis;
+            const curve::State<1> before = goes_on ? cursor_.state : segment_.start[k.axis];
+            PieceType piece;
+            if (!next(k.axis, piece)) return false;
+            const std::int32_t end = cursor_.state.v[0];
+            k.v = piece.code == curve::code::jump ? end : before.v[0];
+            k.c = curve::polynomial<float>(piece.code, before.fresh, before.s[0],
+                                           static_cast<float>(end - k.v),
+                                           piece.subs / curve::subs_per_tick);
             k.from = k.to;
-            if (!next(k.axis, k.piece)) return false;
-            k.to = k.from + k.piece.subs;
-            k.v = cursor_.state.v[0];
+            k.to += piece.subs;
         }
-        const bool constant = k.from == k.to || k.piece.code == curve::code::jump;
-        const std::int64_t v = constant ? k.v : k.before.v[0];
-        const auto c = curve::polynomial<float>(
-            constant ? curve::code::jump : k.piece.code, k.before.fresh, k.before.s[0],
-            static_cast<float>(k.v - v), k.piece.subs / curve::subs_per_tick);
+        const curve::Polynomial<float>& c = k.c;
         const std::int64_t x = scale_.to_fine(samples_.old_value(k.sample)[k.axis]);
-        const auto d = static_cast<float>(x - v * curve::fine);
+        const auto d = static_cast<float>(x - std::int64_t{k.v} * curve::fine);
         const float t = behind(k.from), fine = static_cast<float>(curve::fine);
         const float rise = c.rise(t) * fine;
         // what floats lose here, in 2^-21 of the numbers involved, and the rounding of the sample

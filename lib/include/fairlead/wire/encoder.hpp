@@ -449,14 +449,15 @@ class Encoder {
                 writer_.first.grid[range.first] = grids_[range.first];
         }
     }
-    /// A portion of the work: half of the pushes compare, the others code.
+    /// Of the pushes behind a commit, the first third compares and the others code: the search has
+    /// the least to do behind a commit, and the more the longer ago it is.
     void work_on_frame() noexcept {
         if (exact_)
             static_cast<void>(let_out_stretch());
         else if (!checked_)
-            check_frame(window_max * 2 / (spare_ > 0 ? spare_ : 2) + 1);
+            check_frame(window_max / check_pushes() + 1);
         else
-            code_pieces(portion);
+            code_pieces(portion());
     }
     /// Pieces of so many components, or all that are left.
     void code_pieces(std::size_t components) noexcept {
@@ -510,7 +511,21 @@ class Encoder {
     }
     /// Samples of the first stretch that is tried; where they do not fit, half of them are.
     static constexpr std::size_t exact_samples_max = 16;
-    static constexpr std::size_t portion = 24;  // components of the pieces of a push
+    std::size_t check_pushes() const noexcept { return spare_ > 3 ? spare_ / 3 : 1; }
+    /// Components of the pieces of a push, so that each of the rest has as many.
+    std::size_t portion() const noexcept {
+        const std::size_t pushes = spare_ > check_pushes() ? spare_ - check_pushes() : 1;
+        return components(std::index_sequence_for<Channels...>{}) / pushes + 1;
+    }
+    template <std::size_t... Index>
+    std::size_t components(std::index_sequence<Index...>) const noexcept {
+        return (std::size_t{0} + ... + size_of<Index>());
+    }
+    template <std::size_t Index>
+    std::size_t size_of() const noexcept {
+        const auto& channel = reducer_.template channel<Index>();
+        return channel.segment().present ? channel.size() : 0;
+    }
 
     /// Lets out the frame, or a stretch of one that was given up. @return true: nothing of it is
     /// left.
