@@ -1,6 +1,7 @@
 #pragma once
 // AK8963: power-down, both continuous modes, single and self test, fuse ROM, 16-bit data with lock
-// until ST2 is read. The motion is given in the chip's own axes. Not modelled: 14 bits, SPI.
+// until ST2 is read, 14-bit data where bit 4 of CNTL1 is 0. The motion is given in the chip's own
+// axes. Not modelled: SPI.
 #include "host_sim/chip_models/chip_model.hpp"
 
 namespace fairlead::sim {
@@ -72,8 +73,9 @@ class Ak8963Model final : public ChipModel {
         if (regs_[0x02] & 0x01) regs_[0x02] |= 0x02;
         regs_[0x02] |= 0x01;
         const float m[3] = {truth.mag_uT.x, truth.mag_uT.y, truth.mag_uT.z};
+        const double count_uT = (regs_[0x0A] & 0x10) ? 0.15 : 0.6;
         for (std::size_t i = 0; i < 3; ++i)
-            field_[i] = counts(m[i], 0.15 * ((asa[i] - 128) / 256.0 + 1));
+            field_[i] = counts(m[i], count_uT * ((asa[i] - 128) / 256.0 + 1));
         overflow_ = std::abs(m[0]) + std::abs(m[1]) + std::abs(m[2]) >= 4912.0f;
         if (mode == 0x08 && (regs_[0x0C] & 0x40))
             field_ = defective ? std::array<std::int16_t, 3>{0, 0, 0}

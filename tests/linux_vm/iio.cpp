@@ -15,7 +15,10 @@
 #include "port/linux/clock.hpp"
 #include "port/linux/i2c.hpp"
 #include "port/sensors/ak09916.hpp"
+#include "port/sensors/ak8963.hpp"
+#include "port/sensors/bmi.hpp"
 #include "port/sensors/icm426xx.hpp"
+#include "port/sensors/iis2mdc.hpp"
 #include "port/sensors/lis3mdl.hpp"
 #include "port/sensors/lsm6.hpp"
 #include "port/sensors/mpu6xxx.hpp"
@@ -78,7 +81,10 @@ template <class Driver>
 Reading read_ours(I2c& bus, std::uint8_t address) {
     Reading r;
     Driver driver{bus, address};
-    r.status = driver.start({});
+    typename Driver::Config config;
+    // the kernel's driver gives the chip's own axes, ours those of the MPU-9250 around it
+    if constexpr (std::is_same_v<Driver, Ak8963<I2c>>) config.own_axes = true;
+    r.status = driver.start(config);
     if (r.status != Status::ok) return r;
     std::this_thread::sleep_for(std::chrono::milliseconds{100});
     const auto sample = driver.read(now_ns());
@@ -88,6 +94,10 @@ Reading read_ours(I2c& bus, std::uint8_t address) {
         r.mag_count = static_cast<double>(lis3mdl::uT_per_count(lis3mdl::Range::gauss_4));
     else if constexpr (std::is_same_v<Driver, Ak09916<I2c>>)
         r.mag_count = static_cast<double>(ak09916::uT_per_count);
+    else if constexpr (std::is_same_v<Driver, Ak8963<I2c>>)
+        r.mag_count = 1.25 * static_cast<double>(ak8963::uT_per_count);  // the model's adjustments
+    else if constexpr (std::is_same_v<Driver, Iis2mdc<I2c>>)
+        r.mag_count = static_cast<double>(iis2mdc::uT_per_count);
     else {
         r.gyro_count = static_cast<double>(driver.scale().gyro_rad_s);
         r.accel_count = static_cast<double>(driver.scale().accel_m_s2);
@@ -100,6 +110,9 @@ Reading read_ours(const std::string& type, I2c& bus, std::uint8_t address) {
     if (type == "lsm6dso") return read_ours<Lsm6dso<I2c>>(bus, address);
     if (type.rfind("mpu", 0) == 0) return read_ours<Mpu6xxx<I2c>>(bus, address);
     if (type == "lis3mdl") return read_ours<Lis3mdl<I2c>>(bus, address);
+    if (type == "bmi160") return read_ours<Bmi160<I2c>>(bus, address);
+    if (type == "ak8963") return read_ours<Ak8963<I2c>>(bus, address);
+    if (type == "iis2mdc") return read_ours<Iis2mdc<I2c>>(bus, address);
     return read_ours<Ak09916<I2c>>(bus, address);
 }
 

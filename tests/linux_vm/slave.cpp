@@ -16,7 +16,10 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/chip_models/ak8963_model.hpp"
+#include "host_sim/chip_models/bmi_model.hpp"
 #include "host_sim/chip_models/icm42688_model.hpp"
+#include "host_sim/chip_models/iis2mdc_model.hpp"
 #include "host_sim/chip_models/lsm6_model.hpp"
 #include "host_sim/chip_models/magnetometer_models.hpp"
 #include "host_sim/chip_models/mpu6xxx_model.hpp"
@@ -57,6 +60,10 @@ std::unique_ptr<sim::ChipModel> make(const std::string& kind, std::uint8_t addre
         return std::make_unique<sim::Mpu6xxxModel>(source.motion(2e6), 0x70, address);
     if (kind == "lis3mdl")
         return std::make_unique<sim::Lis3mdlModel>(source.motion(1e9 / 155), address);
+    if (kind == "bmi160")
+        return std::make_unique<sim::BmiModel>(sim::BmiModel::Kind::bmi160, source.motion(2.5e6));
+    if (kind == "ak8963") return std::make_unique<sim::Ak8963Model>(source.motion(1e7));
+    if (kind == "iis2mdc") return std::make_unique<sim::Iis2mdcModel>(source.motion(1e7));
     if (kind == "ak09916") return std::make_unique<sim::Ak09916Model>(source.motion(1e7));
     std::fprintf(stderr, "slave: no chip is called %s\n", kind.c_str());
     std::exit(2);
