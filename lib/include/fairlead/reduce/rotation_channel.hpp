@@ -355,9 +355,8 @@ class RotationChannel {
         const curve::Moment at = samples_.old_when(k.sample);
         if (k.sample == 0) k.from = k.to = segment_.start_tick * curve::subs_per_tick;
         const auto behind = [&at](std::int32_t subs) {
-            const auto whole = static_cast<float>(at.tick - subs / curve::subs_per_tick);
-            const auto part = static_cast<float>(subs % curve::subs_per_tick);
-            return whole + (at.part - part / static_cast<float>(curve::subs_per_tick));
+            const auto whole = static_cast<float>(at.tick * curve::subs_per_tick - subs);
+            return whole * (1.0f / static_cast<float>(curve::subs_per_tick)) + at.part;
         };
         for (std::size_t i = 0; i <= Window * jump_parts_max && behind(k.to) > 0.0f; ++i) {
             const curve::State<3> before =

@@ -311,7 +311,7 @@ class VectorChannel {
         bool add(std::size_t i) noexcept {
             const Value& value = old ? channel.samples_.old_value(i) : channel.samples_.value(i);
             const std::int64_t x = channel.scale_.to_fine(value[axis]);
-            const auto e = static_cast<std::int64_t>(
+            const auto e = static_cast<std::int32_t>(
                 old && channel.exact_ ? channel.full_radius_ * exact_part : channel.radius_);
             const std::int64_t l = x - e > low ? x - e : low, h = x + e < high ? x + e : high;
             if (ceiling(l) > (h >> curve::fine_bits)) return false;
@@ -351,9 +351,8 @@ class VectorChannel {
         const std::int32_t start = segment_.start_tick * curve::subs_per_tick;
         if (k.sample == 0) k = {k.axis, 0, start, start, segment_.start[k.axis].v[0], {}};
         const auto behind = [&at](std::int32_t subs) {
-            const auto whole = static_cast<float>(at.tick - subs / curve::subs_per_tick);
-            const auto part = static_cast<float>(subs % curve::subs_per_tick);
-            return whole + (at.part - part / static_cast<float>(curve::subs_per_tick));
+            const auto whole = static_cast<float>(at.tick * curve::subs_per_tick - subs);
+            return whole * (1.0f / static_cast<float>(curve::subs_per_tick)) + at.part;
         };
         for (std::size_t i = 0; i <= Window * jump_parts_max && behind(k.to) > 0.0f; ++i) {
             const bool goes_on = cursor_.begun && cursor_.axis == k.axis;
@@ -370,7 +369,9 @@ class VectorChannel {
         }
         const curve::Polynomial<float>& c = k.c;
         const std::int64_t x = scale_.to_fine(samples_.old_value(k.sample)[k.axis]);
-        const auto d = static_cast<float>(x - std::int64_t{k.v} * curve::fine);
+        const std::int64_t off = x - std::int64_t{k.v} * curve::fine;
+        if (off > INT32_MAX || off < -INT32_MAX) return false;
+        const auto d = static_cast<float>(static_cast<std::int32_t>(off));
         const float t = behind(k.from), fine = static_cast<float>(curve::fine);
         const float rise = c.rise(t) * fine;
         // what floats lose here, in 2^-21 of the numbers involved, and the rounding of the sample
