@@ -75,17 +75,18 @@ class Ball {
                 last[a] = middle.p[a] + 1;
             }
         }
-        std::array<Candidate<3>, tries_max + 1> candidates;
-        int n = cheapest(search, ending, first, last, candidates);
-        if (n == tries_max) {  // none of them may fit: the middle of the bounds is likely to
-            price(middle, ending);
-            candidates[tries_max] = middle;
-            ++n;
-        }
+        std::array<std::uint32_t, tries_max> keys;
+        const int n = cheapest(search, ending, first, last, keys);
+        // none of them may fit: the middle of the bounds is likely to
+        const int tries = n == tries_max ? n + 1 : n;
         int offered = 0;
-        for (int i = 0; i < n && offered < offers_max; ++i) {
-            const Candidate<3>& c = candidates[static_cast<std::size_t>(i)];
+        for (int i = 0; i < tries && offered < offers_max; ++i) {
             if (i == tries_max && offered > 0) break;
+            Candidate<3> c = middle;
+            if (i < n)
+                unpack(c, keys[static_cast<std::size_t>(i)], first, ending);
+            else
+                price(c, ending);
             if (c.cost >= search.worst() || spent()) break;
             const Place p{static_cast<float>(c.p[0]), static_cast<float>(c.p[1]),
                           static_cast<float>(c.p[2])};
@@ -125,51 +126,60 @@ class Ball {
                                                                 ending.h, a, before)];
     }
 
-    /// The cheapest candidates in the box, in order of cost. @return their number.
+    /// The cheapest rises of the box, in order of cost, as keys: the cost, and in the lowest byte
+    /// the place in a box of at most 3 x 3 x 3. @return their number.
     template <class Search>
     static int cheapest(const Search& search, const Ending<3>& ending, const Triple& first,
-                        const Triple& last,
-                        std::array<Candidate<3>, tries_max + 1>& candidates) noexcept {
+                        const Triple& last, std::array<std::uint32_t, tries_max>& keys) noexcept {
         const Cost most = search.worst();
         const auto& sign = ending.before.sign;
         const std::array<const std::uint8_t(*)[code::value_symbols], 5> rows{
             &row(ending, 0, false), &row(ending, 1, false), &row(ending, 1, true),
             &row(ending, 2, false), &row(ending, 2, true)};
         int n = 0;
-        Candidate<3> c;
-        for (c.p[0] = first[0]; c.p[0] <= last[0]; ++c.p[0]) {
-            c.k[0] = c.p[0] - ending.predicted[0];
-            const Cost one = ending.base + code::value_cost(*rows[0], c.k[0], sign[0]);
+        Triple k;
+        for (std::int32_t x = first[0]; x <= last[0]; ++x) {
+            k[0] = x - ending.predicted[0];
+            const Cost one = ending.base + code::value_cost(*rows[0], k[0], sign[0]);
             if (one >= most) continue;
-            const bool some = c.k[0] != 0;
-            for (c.p[1] = first[1]; c.p[1] <= last[1]; ++c.p[1]) {
-                c.k[1] = c.p[1] - ending.predicted[1];
-                const Cost two =
-                    one + code::value_cost(some ? *rows[2] : *rows[1], c.k[1], sign[1]);
+            const bool some = k[0] != 0;
+            for (std::int32_t y = first[1]; y <= last[1]; ++y) {
+                k[1] = y - ending.predicted[1];
+                const Cost two = one + code::value_cost(some ? *rows[2] : *rows[1], k[1], sign[1]);
                 if (two >= most) continue;
-                const bool any = some || c.k[1] != 0;
-                for (c.p[2] = first[2]; c.p[2] <= last[2]; ++c.p[2]) {
-                    c.k[2] = c.p[2] - ending.predicted[2];
-                    c.cost = two + code::value_cost(any ? *rows[4] : *rows[3], c.k[2], sign[2]);
-                    if (c.cost < most) n = insert(candidates, n, c);
+                const bool any = some || k[1] != 0;
+                const std::int32_t place = 9 * (x - first[0]) + 3 * (y - first[1]);
+                for (std::int32_t z = first[2]; z <= last[2]; ++z) {
+                    k[2] = z - ending.predicted[2];
+                    const Cost all =
+                        two + code::value_cost(any ? *rows[4] : *rows[3], k[2], sign[2]);
+                    if (all >= most) continue;
+                    n = insert(keys, n, all << 8 | static_cast<Cost>(place + z - first[2]));
                 }
             }
         }
         return n;
     }
-    static int insert(std::array<Candidate<3>, tries_max + 1>& all, int n,
-                      const Candidate<3>& c) noexcept {
+    static int insert(std::array<std::uint32_t, tries_max>& keys, int n,
+                      std::uint32_t key) noexcept {
         int i = n;
         if (n == tries_max) {
-            if (all[tries_max - 1].cost <= c.cost) return n;
+            if (keys[tries_max - 1] <= key) return n;
             i = tries_max - 1;
         } else {
             ++n;
         }
-        for (; i > 0 && all[static_cast<std::size_t>(i - 1)].cost > c.cost; --i)
-            all[static_cast<std::size_t>(i)] = all[static_cast<std::size_t>(i - 1)];
-        all[static_cast<std::size_t>(i)] = c;
+        for (; i > 0 && keys[static_cast<std::size_t>(i - 1)] > key; --i)
+            keys[static_cast<std::size_t>(i)] = keys[static_cast<std::size_t>(i - 1)];
+        keys[static_cast<std::size_t>(i)] = key;
         return n;
+    }
+    static void unpack(Candidate<3>& c, std::uint32_t key, const Triple& first,
+                       const Ending<3>& ending) noexcept {
+        const auto place = static_cast<std::int32_t>(key & 0xffu);
+        c.cost = key >> 8;
+        c.p = {first[0] + place / 9, first[1] + place / 3 % 3, first[2] + place % 3};
+        for (std::size_t a = 0; a < 3; ++a) c.k[a] = c.p[a] - ending.predicted[a];
     }
     static void price(Candidate<3>& c, const Ending<3>& ending) noexcept {
         c.cost = ending.base;
