@@ -25,8 +25,9 @@ class Ball {
     using Sample = Place;
     static constexpr int tries_max = 6;   // candidates of a hypothesis that are compared
     static constexpr int offers_max = 3;  // of these, how many it may offer
-    /// Comparisons with samples a column; and as many again for the newest where none fits.
-    static constexpr int budget = 150;
+    /// Comparisons with samples a column, for each child that it may have; and as many again for
+    /// the newest where none fits.
+    static constexpr int budget = 50;
 
   protected:
     using Open = Hypothesis<3>;
@@ -34,9 +35,9 @@ class Ball {
 
     void begin(std::int32_t) noexcept {}
     void begin_column() noexcept { work_ = 0; }
-    /// A second budget, where the first is spent.
-    bool renew() noexcept {
-        const bool was_spent = spent();
+    /// A second budget, where the first is spent. width: children that a column may have.
+    bool renew(std::size_t width) noexcept {
+        const bool was_spent = spent(width);
         if (was_spent) work_ = 0;
         return was_spent;
     }
@@ -50,7 +51,7 @@ class Ball {
     template <class Search, class Source>
     void offer(Search& search, const Open& o, const Ending<3>& ending, const Column<3>& at,
                const Source& source) noexcept {
-        if (spent()) return;
+        if (spent(Search::width)) return;
         if (at.told != nullptr) {
             offer_told(search, o, ending, at, source);
             return;
@@ -87,7 +88,7 @@ class Ball {
                 unpack(c, keys[static_cast<std::size_t>(i)], first, ending);
             else
                 price(c, ending);
-            if (c.cost >= search.worst() || spent()) break;
+            if (c.cost >= search.worst() || spent(Search::width)) break;
             const Place p{static_cast<float>(c.p[0]), static_cast<float>(c.p[1]),
                           static_cast<float>(c.p[2])};
             const auto child = search.make(o, ending, c);
@@ -101,7 +102,9 @@ class Ball {
   private:
     using Triple = std::array<std::int32_t, 3>;
 
-    bool spent() const noexcept { return work_ > budget; }
+    bool spent(std::size_t width) const noexcept {
+        return work_ > budget * static_cast<int>(width);
+    }
 
     /// The frame tells where it ends: the piece leads there.
     template <class Search, class Source>

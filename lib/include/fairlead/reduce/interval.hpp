@@ -32,7 +32,7 @@ class Interval {
         high_.fill(far_away);
     }
     void begin_column() noexcept {}
-    static constexpr bool renew() noexcept { return false; }
+    static constexpr bool renew(std::size_t) noexcept { return false; }
 
     /// x - v in steps, rounded once.
     static float from(std::int32_t x, std::int32_t v) noexcept {

@@ -89,7 +89,7 @@ class Search : private Geometry {
             ++kept;
         }
         open_count_ = kept;
-        if (column_count_ > 0 || !Geometry::renew()) return;
+        if (column_count_ > 0 || !Geometry::renew(width)) return;
         // long pieces took the whole budget, and none fits: the newest first
         for (std::size_t i = open_count_; i-- > 0 && column_count_ == 0;) {
             const std::int32_t h = at.tick - open_[i].tick;
