@@ -217,11 +217,12 @@ CurveRun& CurveStore::present_run() {
         const Decoder::Layout& layout = decoder_.layout();
         for (std::size_t c = 0; c < layout.channels; ++c) {
             const wire::TrackRange& range = layout.channel[c];
-            const curve::Scale& scale =
-                range.rotates ? layout.turn[range.first] : layout.scale[range.first];
             CurveChannel channel;
             channel.rotates = range.rotates;
-            channel.tolerance = static_cast<double>(decoder_.tolerance_steps(c)) * scale.step();
+            double step = 0;  // the largest: axes may have their own
+            for (std::size_t i = 0; i < range.count; ++i)
+                step = std::max(step, layout.scale_of(range, i).step());
+            channel.tolerance = static_cast<double>(decoder_.tolerance_steps(c)) * step;
             channel.tracks.resize(range.count);
             run.channels.push_back(std::move(channel));
         }

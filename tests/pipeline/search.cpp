@@ -60,6 +60,9 @@ Verdict run(test::Streams& s, int records) {
     if constexpr (Board::Channels::template has<Position>) {
         if (s.chance(0.5)) metres = static_cast<float>(std::pow(10, s.uniform(-6, 2)));
         params.tolerance.position_m = metres;
+        if (s.chance(0.3))  // one for each axis
+            for (float& axis : params.tolerance.position_m)
+                axis = metres * static_cast<float>(std::pow(10, s.uniform(0, 2)));
     }
     if constexpr (Board::Channels::template has<Orientation>) {
         if (s.chance(0.5)) radians = static_cast<float>(std::pow(10, s.uniform(-3.9, -0.31)));

@@ -17,20 +17,23 @@
 namespace fairlead::test {
 
 /// Error over tolerance of one sample of a channel, in double.
-template <std::size_t D>
+template <std::size_t D, class Tolerance>
 double error_of(const std::array<float, D>& value, const std::vector<const wire::CurvePiece*>& at,
-                const std::vector<double>& ticks) {
+                const std::vector<double>& ticks, const Tolerance& tolerance) {
     double worst = 0;
     for (std::size_t a = 0; a < D; ++a) {
         const double v = at[a]->steps_at(ticks[a]) * at[a]->scale.step();
-        worst = std::max(worst, std::abs(v - static_cast<double>(value[a])));
+        worst = std::max(
+            worst, std::abs(v - static_cast<double>(value[a])) / static_cast<double>(tolerance[a]));
     }
     return worst;
 }
-inline double error_of(const Quat& value, const std::vector<const wire::CurvePiece*>& at,
-                       const std::vector<double>& ticks) {
+template <class Tolerance>
+double error_of(const Quat& value, const std::vector<const wire::CurvePiece*>& at,
+                const std::vector<double>& ticks, const Tolerance& tolerance) {
     const BasicQuat<double> q = normalised(BasicQuat<double>{value.w, value.x, value.y, value.z});
-    return rotation_angle(normalised(wire::rotation_at(*at[0], ticks[0])), q);
+    return rotation_angle(normalised(wire::rotation_at(*at[0], ticks[0])), q) /
+           static_cast<double>(tolerance[0]);
 }
 
 template <class Encoder, class Decoder>
@@ -174,8 +177,7 @@ class StreamCheck {
                 ticks.push_back(static_cast<double>(w.t_ns - t.start_ns) / t.tick_ns);
             }
             if (tracks.size() != (at.size())) return;
-            const double e = error_of(std::get<C>(w.values), at, ticks) /
-                             static_cast<double>(params_.tolerance[C]);
+            const double e = error_of(std::get<C>(w.values), at, ticks, params_.tolerance[C]);
             worst = std::max(worst, e);
             if (!(e <= 1.0)) {
                 if (violations++ == 0) note("violation " + std::to_string(e), w);

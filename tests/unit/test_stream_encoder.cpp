@@ -98,7 +98,7 @@ Quat turned(double a, double b, double c) {
 }
 
 template <class Encoder>
-void search(int streams, int records, std::array<float, Encoder::channel_count> tolerance,
+void search(int streams, int records, decltype(Encoder::Params::tolerance) tolerance,
             typename Encoder::Values (*value)(std::array<double, 6>), std::uint64_t seed) {
     std::size_t accepted = 0;
     for (int i = 0; i < streams; ++i) {
@@ -148,6 +148,30 @@ TEST(StreamEncoder, AVectorAlone) {
             return {{static_cast<float>(x[0]), static_cast<float>(x[1])}};
         },
         1000);
+}
+TEST(StreamEncoder, EachAxisHasItsOwnTolerance) {
+    search<Alone>(
+        20, 900, {std::array<float, 2>{0.002f, 0.05f}},
+        [](std::array<double, 6> x) -> Alone::Values {
+            return {{static_cast<float>(x[0]), static_cast<float>(x[1])}};
+        },
+        4000);
+    // the same motion of both axes: the one that may err more costs less
+    const auto bytes_of = [](float first, float second) {
+        Alone::Params params;
+        params.tolerance = {std::array<float, 2>{first, second}};
+        auto encoder = std::make_unique<Alone>(params);
+        std::size_t bytes = 0;
+        for (int i = 0; i < 2400; ++i) {
+            const auto x = static_cast<float>(std::sin(0.02 * i) + 0.2 * std::sin(0.07 * i));
+            bytes += encoder->push(i * params.sample_period_ns, {{x, x}}, 1, 0, false).size;
+        }
+        return bytes;
+    };
+    const std::size_t fine = bytes_of(0.002f, 0.002f), own = bytes_of(0.002f, 0.05f),
+                      coarse = bytes_of(0.05f, 0.05f);
+    EXPECT_LT(coarse, own - own / 10);
+    EXPECT_LT(own, fine - fine / 10);
 }
 TEST(StreamEncoder, AnOrientationAlone) {
     search<Turning>(

@@ -39,8 +39,8 @@ struct WireChannel<Position, beam> {
         return {pose.p_w_m.x, pose.p_w_m.y, pose.p_w_m.z};
     }
     template <class AnyTolerance>
-    static constexpr float tolerance(const AnyTolerance& t) noexcept {
-        return smallest(t.position_m);
+    static constexpr PerAxis<3> tolerance(const AnyTolerance& t) noexcept {
+        return t.position_m;
     }
 };
 template <Beam beam>
@@ -61,8 +61,8 @@ struct WireChannel<Vector<D>, beam> {
         return sample.value;
     }
     template <class AnyTolerance>
-    static constexpr float tolerance(const AnyTolerance& t) noexcept {
-        return smallest(t.value);
+    static constexpr PerAxis<D> tolerance(const AnyTolerance& t) noexcept {
+        return t.value;
     }
 };
 

@@ -7,21 +7,11 @@
 #include <limits>
 
 #include "fairlead/base/check.hpp"
+#include "fairlead/base/per_axis.hpp"
 #include "fairlead/board.hpp"
 #include "fairlead/sense/intake_limits.hpp"
 
 namespace fairlead {
-
-/// One value for each axis; one number alone holds for all. The smallest holds for all axes.
-template <std::size_t D>
-struct PerAxis : std::array<float, D> {
-    constexpr PerAxis() noexcept : PerAxis{0.0f} {}
-    constexpr PerAxis(float all) noexcept : std::array<float, D>{} {  // NOLINT(*-explicit-*)
-        for (std::size_t i = 0; i < D; ++i) (*this)[i] = all;
-    }
-    constexpr PerAxis(const std::array<float, D>& each) noexcept  // NOLINT(*-explicit-*)
-        : std::array<float, D>{each} {}
-};
 
 /// Largest distance of the decoded curve from any accepted record: an axis of a vector each by
 /// itself, an orientation by its whole rotation angle.

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/per_axis.hpp"
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/curve/scale.hpp"
 #include "fairlead/reduce/ball.hpp"
@@ -51,7 +52,8 @@ class RotationChannel {
     }
 
     /// tolerance: largest angle between sample and curve, rad; >= rotation_tolerance_min_rad.
-    void configure(float tolerance_rad) noexcept {
+    void configure(const PerAxis<1>& tolerance) noexcept {
+        const float tolerance_rad = tolerance[0];
         scale_ = curve::Scale::of_step(0.9f * tolerance_rad);
         step_ = static_cast<float>(scale_.step());
         full_radius_ = tolerance_rad / step_;
@@ -59,7 +61,7 @@ class RotationChannel {
         check_radius_ = full_radius_ - 1.5e-6f / step_;
         radius_ = (full_radius_ * (1.0f - 0x1p-12f) - 2e-6f / step_) * BeamT::trust;
     }
-    const curve::Scale& scale() const noexcept { return scale_; }
+    const curve::Scale& scale(std::size_t = 0) const noexcept { return scale_; }
     float step() const noexcept { return step_; }
 
     bool active() const noexcept { return active_; }

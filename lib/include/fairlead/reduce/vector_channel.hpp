@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/per_axis.hpp"
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/curve/scale.hpp"
 #include "fairlead/reduce/extent.hpp"
@@ -52,16 +53,18 @@ class VectorChannel {
                (starts_ ? start_bits_max : 0);
     }
 
-    /// tolerance: largest error of an axis, in the values' unit; > 0.
-    void configure(float tolerance) noexcept {
-        scale_ = curve::Scale::of_step(1.2f * tolerance);
-        const double steps = static_cast<double>(tolerance) / scale_.step();
-        full_radius_ = static_cast<float>(steps * curve::fine);
-        radius_ =
-            full_radius_ * (1.0f - 0x1p-20f) - 1.0f;  // samples are rounded to 1/2, and floats
-        radius_ *= BeamT::trust;
+    /// tolerance: largest error of each axis, in the values' unit; > 0.
+    void configure(const PerAxis<D>& tolerance) noexcept {
+        for (std::size_t a = 0; a < D; ++a) {
+            Lattice& l = lattice_[a];
+            l.scale = curve::Scale::of_step(1.2f * tolerance[a]);
+            const double steps = static_cast<double>(tolerance[a]) / l.scale.step();
+            l.full_radius = static_cast<float>(steps * curve::fine);
+            // samples are rounded to 1/2, and floats
+            l.radius = l.full_radius * (1.0f - 0x1p-20f) - 1.0f;
+        }
     }
-    const curve::Scale& scale() const noexcept { return scale_; }
+    const curve::Scale& scale(std::size_t axis = 0) const noexcept { return lattice_[axis].scale; }
 
     bool active() const noexcept { return active_; }
     /// Has the curve begun in this frame?
@@ -77,7 +80,7 @@ class VectorChannel {
     void start(const curve::Moment& at, const Value& value, std::int32_t guess) noexcept {
         for (std::size_t a = 0; a < D; ++a) {
             state_[a] = {};
-            state_[a].v[0] = nearest(value[a]);
+            state_[a].v[0] = nearest(a, value);
         }
         active_ = starts_ = true;
         open_window(at.tick, guess);
@@ -190,7 +193,7 @@ class VectorChannel {
         const auto ticks = static_cast<std::uint8_t>(segment_.end_tick - segment_.start_tick);
         for (std::size_t a = 0; a < D; ++a) {
             if (!segment_.starts) segment_.start[a] = now[a];
-            segment_.end_v[a] = some ? nearest(samples_.old_value(n - 1)[a])  //
+            segment_.end_v[a] = some ? nearest(a, samples_.old_value(n - 1))  //
                                      : segment_.start[a].v[0];
             steps_[a][0] = {{0}, ticks, how::jump};
             step_count_[a] = ticks > 0 ? 1 : 0;
@@ -283,6 +286,12 @@ class VectorChannel {
     using Search = reduce::Search<Interval<Kind>, BeamT, Window + 1>;
     using Column = typename Search::Column;
 
+    /// Of one axis: the lattice of its vertices, and its tolerance in 1/1024 step: what the search
+    /// may use, and all of it.
+    struct Lattice {
+        curve::Scale scale{256, -8};
+        float radius{}, full_radius{};
+    };
     /// Where the samples go at the end of a window: value and slope a tick, in steps.
     struct Line {
         std::array<std::array<float, 1>, D> value{}, slope{};
@@ -310,9 +319,10 @@ class VectorChannel {
 
         bool add(std::size_t i) noexcept {
             const Value& value = old ? channel.samples_.old_value(i) : channel.samples_.value(i);
-            const std::int64_t x = channel.scale_.to_fine(value[axis]);
+            const Lattice& lattice = channel.lattice_[axis];
+            const std::int64_t x = lattice.scale.to_fine(value[axis]);
             const auto e = static_cast<std::int32_t>(
-                old && channel.exact_ ? channel.full_radius_ * exact_part : channel.radius_);
+                old && channel.exact_ ? lattice.full_radius * exact_part : lattice.radius);
             const std::int64_t l = x - e > low ? x - e : low, h = x + e < high ? x + e : high;
             if (ceiling(l) > (h >> curve::fine_bits)) return false;
             low = l;
@@ -368,7 +378,7 @@ class VectorChannel {
             k.to += piece.subs;
         }
         const curve::Polynomial<float>& c = k.c;
-        const std::int64_t x = scale_.to_fine(samples_.old_value(k.sample)[k.axis]);
+        const std::int64_t x = lattice_[k.axis].scale.to_fine(samples_.old_value(k.sample)[k.axis]);
         const std::int64_t off = x - std::int64_t{k.v} * curve::fine;
         if (off > INT32_MAX || off < -INT32_MAX) return false;
         const auto d = static_cast<float>(static_cast<std::int32_t>(off));
@@ -379,7 +389,7 @@ class VectorChannel {
         const float terms =
             approx::absolute(c.c1) + t * (approx::absolute(c.c2) + t * approx::absolute(c.c3));
         const float lost = (approx::absolute(d) + t * terms * fine) * (rounding * 0.25f) + 0.6f;
-        return approx::absolute(d - rise) + lost <= full_radius_;
+        return approx::absolute(d - rise) + lost <= lattice_[k.axis].full_radius;
     }
     bool next_part(std::size_t axis, PieceType& piece) noexcept {
         if (!cursor_.walk.next(OldSource{*this, axis}, piece)) return false;
@@ -394,12 +404,12 @@ class VectorChannel {
         return i;
     }
 
-    std::int32_t nearest(float value) const noexcept {
-        return static_cast<std::int32_t>((scale_.to_fine(value) + curve::fine / 2) >>
-                                         curve::fine_bits);
+    std::int32_t nearest(std::size_t a, const Value& value) const noexcept {
+        const std::int64_t x = lattice_[a].scale.to_fine(value[a]);
+        return static_cast<std::int32_t>((x + curve::fine / 2) >> curve::fine_bits);
     }
     std::int64_t from_origin(std::size_t a, const Value& value) const noexcept {
-        return scale_.to_fine(value[a]) - std::int64_t{state_[a].v[0]} * curve::fine;
+        return lattice_[a].scale.to_fine(value[a]) - std::int64_t{state_[a].v[0]} * curve::fine;
     }
     std::int32_t relative(std::size_t a, const Value& value) const noexcept {
         return static_cast<std::int32_t>(from_origin(a, value));
@@ -415,7 +425,7 @@ class VectorChannel {
         stalled_ = false;
         column_samples_ = first_samples_ = 0;
         for (std::size_t a = 0; a < D; ++a)
-            search_[a].seed(state_[a], radius_ * (1.0f / curve::fine), guess);
+            search_[a].seed(state_[a], lattice_[a].radius * (1.0f / curve::fine), guess);
     }
     void keep(const curve::Moment& at, const Value& value) noexcept {
         samples_.push(at, value);
@@ -534,7 +544,7 @@ class VectorChannel {
         auto& search = search_[a];
         if (stalled_) {  // one jump from the start of the window, of any size
             const Value& newest = samples_.value(samples_.count() - 1);
-            JumpWalk<1> walk{state_[a].v, {nearest(newest[a])}, start_tick_,
+            JumpWalk<1> walk{state_[a].v, {nearest(a, newest)}, start_tick_,
                              tick,        first_samples_,       samples};
             curve::Piece<1> piece;
             const NewSource source{*this, a};
@@ -592,8 +602,7 @@ class VectorChannel {
     Extent whole_{};  // of a frame that was given up
     Cursor cursor_{};
     Check check_{};
-    curve::Scale scale_{};
-    float radius_{}, full_radius_{};
+    std::array<Lattice, D> lattice_{};
     curve::Moment newest_{};
     std::int32_t start_tick_{0}, column_tick_{0}, end_tick_{0};
     std::size_t columns_{0}, column_samples_{0}, first_samples_{0};

@@ -73,7 +73,8 @@ class Encoder {
     static_assert((std::is_same_v<Kind, typename Channels::Kind> && ...),
                   "the channels of a stream have pieces of one kind");
     using Kinds = KindSet<Kind>;
-    using Params = EncoderParams<channel_count>;
+    static constexpr std::size_t axes_most = (std::max)({std::size_t{1}, Channels::axes...});
+    using Params = EncoderParams<channel_count, axes_most>;
     using Values = std::tuple<typename Channels::Value...>;
 
     /// Pushes from the commit of a frame to its last byte, by the delay: short windows are coded at
@@ -103,8 +104,9 @@ class Encoder {
         constexpr float least[] = {Channels::tolerance_min...},
                         most[] = {Channels::tolerance_max...};
         for (std::size_t i = 0; i < channel_count; ++i)
-            if (!(params.tolerance[i] >= least[i] && params.tolerance[i] <= most[i]))
-                return {Status::bad_argument, "tolerance"};
+            for (const float tolerance : params.tolerance[i])
+                if (!(tolerance >= least[i] && tolerance <= most[i]))
+                    return {Status::bad_argument, "tolerance"};
         return {};
     }
     /// What an intake before this encoder may let through.
@@ -257,7 +259,11 @@ class Encoder {
 
     template <std::size_t... Index>
     void configure(std::index_sequence<Index...>) noexcept {
-        (reducer_.template channel<Index>().configure(params_.tolerance[Index]), ...);
+        const auto one = [](auto& channel, const PerAxis<axes_most>& tolerance) {
+            constexpr std::size_t parts = std::decay_t<decltype(channel)>::parts;
+            channel.configure(tolerance.template first<parts>());
+        };
+        (one(reducer_.template channel<Index>(), params_.tolerance[Index]), ...);
         reduce::Window window;
         // the oldest record of a frame waits for records - 1 pushes, and for the coding
         window.records = static_cast<std::int32_t>(window_records(params_.delay_records));
@@ -339,13 +345,17 @@ class Encoder {
         const auto one = [&](auto index, bool turns, std::size_t count) {
             constexpr std::size_t i = decltype(index)::value;
             ChannelShape& c = shape.channel[i];
-            const curve::Scale scale = reducer_.template channel<i>().scale();
             c.type = turns ? ChannelType::orientation : ChannelType::vector;
             c.kind = Kind::id;
             c.axes = static_cast<std::uint8_t>(turns ? 3 : count);
-            c.step.fill(scale);
-            const float ratio = params_.tolerance[i] / static_cast<float>(scale.step()) * 32768.0f;
-            c.tolerance = static_cast<std::uint16_t>(ratio < 65534.0f ? ratio + 1.0f : 65535.0f);
+            c.tolerance = 0;
+            for (std::size_t a = 0; a < c.axes; ++a) {
+                c.step[a] = reducer_.template channel<i>().scale(turns ? 0 : a);
+                const float tolerance = params_.tolerance[i][turns ? 0 : a];
+                const float ratio = tolerance / c.step[a].template step<float>() * 32768.0f;
+                const float up = ratio < 65534.0f ? ratio + 1.0f : 65535.0f;
+                c.tolerance = (std::max)(c.tolerance, static_cast<std::uint16_t>(up));
+            }
         };
         (one(std::integral_constant<std::size_t, Index>{}, Channels::rotations > 0, Channels::axes),
          ...);

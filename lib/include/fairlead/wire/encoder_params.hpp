@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "fairlead/base/check.hpp"
+#include "fairlead/base/per_axis.hpp"
 #include "fairlead/sense/intake_limits.hpp"
 
 namespace fairlead::wire {
@@ -17,14 +18,15 @@ inline constexpr std::int64_t lost_ns_max = 480'000'000'000;
 /// Restart interval of a stream whose frames all decode alone.
 inline constexpr std::int64_t every_frame_ns = 0;
 
-template <std::size_t Channels>
+/// Axes: the most of a channel.
+template <std::size_t Channels, std::size_t Axes>
 struct EncoderParams {
     /// From sample to sample; a tick. 125 us (8 kHz) to 1 s. Real times may be uneven.
     std::int64_t sample_period_ns{8'333'333};
     /// Largest error of the decoded curve at each sample, for each channel in the order of the
-    /// type: of an axis of a vector in its unit (1e-6 to 1e6), of a rotation in rad (1.2e-4 to
-    /// 0.5). Higher: fewer bytes, and a curve less true.
-    std::array<float, Channels> tolerance{};
+    /// type: of a vector in its unit (1e-6 to 1e6), one for all axes or one for each; of a
+    /// rotation in rad (1.2e-4 to 0.5). Higher: fewer bytes, and a curve less true.
+    std::array<PerAxis<Axes>, Channels> tolerance{};
     /// A sample is in the bytes at most so many records later: 8 to the encoder's Records. Higher:
     /// fewer bytes, and later ones.
     std::uint32_t delay_records{60};

@@ -84,7 +84,7 @@ class Receiver {
     /// Goes on with the bytes that are there. Call it until it finds nothing.
     Found find() noexcept {
         release();
-        for (;;) {
+        for (;;) {  // each turn takes a frame, loses step or passes a byte, or is the last one
             if (ended_) work_ = work_per_byte;
             const bool spent = work_ <= 0, full = size_ == bytes_.size();
             if (in_step_) {
