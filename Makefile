@@ -98,6 +98,7 @@ $(eval $(call program,bench-peers,$(call sources,$(STUDY)/bench_peers/*.cpp) $(S
 $(eval $(call program,bench-smooth,$(STUDY)/bench_smooth/smooth.cpp $(call sources,$(STUDY)/baselines/filters/*.cpp),,-lbenchmark))
 $(eval $(call program,bench-attitude,$(call sources,$(STUDY)/bench_attitude/*.cpp $(STUDY)/baselines/ahrs/*.cpp),$(SIM)))
 $(eval $(call program,pipeline-search,tests/pipeline/search.cpp))
+$(eval $(call program,pipeline-soak,tests/pipeline/soak.cpp,generate recording,-lz))
 ATTITUDE_TRIALS := $(addprefix $(STUDY)/bench_attitude/,locks.cpp motions.cpp simulated.cpp)  # simulated devices
 $(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp) $(ATTITUDE_TRIALS),$(SIM) chip_models,$(GOOGLE_TEST)))
 $(eval $(call program,tests/port,$(call sources,tests/port/*.cpp) examples/record/writer.cpp,port recording chip_models,-lgpiod $(GOOGLE_TEST)))
@@ -184,28 +185,38 @@ test-strain: $(BUILD)/tests/strain ## [build] hold fixed-lag strain smoothing to
 same-bytes: ## [compile script clang] the same stream from g++ and clang++, -O0 and -O2, on all recordings
 	@tests/sim/test_same_bytes.py $(wildcard $(RECORDINGS)/tracker120/*.trk)
 
-# fuzz targets: clang, AddressSanitizer and UBSan, libFuzzer's own main; the parts that they search are compiled with them
+# fuzz targets: clang, AddressSanitizer and UBSan, libFuzzer's own main; the parts that they search are compiled like them
 SECONDS      ?= 60
+FUZZ_CHECKS  ?= $(call sanitize,address$(comma)undefined)
+FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS $(FUZZ_CHECKS)
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.cpp,$(BUILD)/fuzz/%,$(call sources,tests/fuzz/*.cpp))
-FUZZ_FLAGS   := -g -O1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS $(call sanitize,fuzzer$(comma)address$(comma)undefined)
-$(FUZZ_TARGETS): $(BUILD)/fuzz/%: tests/fuzz/%.cpp $(LIB_HEADERS) $(call sources,tests/fuzz/*.hpp tests/pipeline/*.hpp)
-	@mkdir -p $(@D)
-	$(call step,$<) clang++ $(BASE) -Wno-double-promotion $(FUZZ_FLAGS) $(filter %.cpp %.a,$^) $(FUZZ_LIBS) -o $@
-$(addprefix $(BUILD)/fuzz/,recording read_text read_binary read_events): $(call sources,host_sim/recording/*.cpp)
-$(BUILD)/fuzz/config: $(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp toml_parser.cpp) \
-                      $(addprefix $(BUILD)/,libgateway.a libport.a librecording.a)
-$(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
-$(BUILD)/fuzz/modbus_rtu: port/linux/modbus.cpp port/linux/modbus_rtu.cpp port/linux/modbus_net.cpp port/linux/serial.cpp
+fuzz_objects  = $(patsubst %.cpp,$(BUILD)/obj/fuzz/%.o,$(1))
+$(BUILD)/obj/fuzz/%.o: %.cpp
+	$(call step,$< to fuzz) clang++ $(BASE) -Wno-double-promotion $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link -MMD -MP -c $< -o $@
+$(FUZZ_TARGETS): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/tests/fuzz/%.o
+	$(call step,link fuzz/$*) clang++ $(FUZZ_CHECKS) -fsanitize=fuzzer $^ $(FUZZ_LIBS) -o $@
+$(addprefix $(BUILD)/fuzz/,read_text read_binary read_events): $(call fuzz_objects,$(call sources,host_sim/recording/*.cpp))
+$(BUILD)/fuzz/config: $(call fuzz_objects,$(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp \
+                      toml_parser.cpp) $(addprefix port/linux/,modbus_net.cpp serial.cpp i2c.cpp i2c_smbus.cpp spidev.cpp))
+$(BUILD)/fuzz/modbus_rtu: $(call fuzz_objects,$(addprefix port/linux/,modbus.cpp modbus_rtu.cpp modbus_net.cpp serial.cpp))
 $(BUILD)/fuzz/modbus_rtu: FUZZ_LIBS := -lmodbus -lutil
-$(BUILD)/fuzz/follower: $(addprefix examples/gateway/,follower.cpp span_maker.cpp)
+$(BUILD)/fuzz/follower: $(call fuzz_objects,$(addprefix examples/gateway/,follower.cpp span_maker.cpp))
 STREAMS ?= 1000
 SEED    ?= 1
+HOURS   ?= 24
 pipeline-search: $(BUILD)/pipeline-search ## [compile] lead random streams through whole pipelines and judge them from the bytes (STREAMS=1000 SEED=1)
 	@$< --streams $(STREAMS) --seed $(SEED)
-mutants: $(SIM:%=$(BUILD)/lib%.a) ## [build script test] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
-	@tests/mutants/mutants.py --build $(BUILD) --archives '$^' --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
-fuzz: $(FUZZ_TARGETS) ## [build gateway clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
+soak: $(BUILD)/pipeline-soak ## [build] loop the tracker's recordings (or generated ones) through one pipeline for HOURS=24 of data and judge it from the bytes (minutes)
+	@$< --hours $(HOURS) --seed $(SEED) $(sort $(wildcard $(RECORDINGS)/tracker120/*.trk))
+mutants: $(call objects,$(ATTITUDE_TRIALS)) $(patsubst %,$(BUILD)/lib%.a,$(SIM) chip_models) ## [build script test mutants] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
+	@tests/mutants/test_mutants.py
+	@tests/mutants/mutants.py --build $(BUILD) --link '$^' --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
+fuzz: $(FUZZ_TARGETS) ## [gateway clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
+FUZZ_OF_LIB := attitude calibration decoder drivers follower intake pipeline saved
+fuzz-coverage: ## [clang sanitize coverage script] line coverage of lib by the committed corpora
+	+@$(MAKE) BUILD=$(BUILD)/coverage FUZZ_CHECKS='-fprofile-instr-generate -fcoverage-mapping' $(FUZZ_OF_LIB:%=$(BUILD)/coverage/fuzz/%)
+	@tests/fuzz/coverage.py $(BUILD)/coverage $(FUZZ_OF_LIB)
 
 browser-test: sim gateway live ## [script browser cortex-m cortex-m-emulator] drive report and live view in headless Chromium: zoom, cursor, playback (two minutes)
 	+@$(TARGET) $(BUILD)/target/firmware/firmware.elf

@@ -2,8 +2,9 @@
 """Runs fuzz targets: first the committed corpus, then new inputs for a given time, one process a core. What is found is
 kept in build/fuzz/findings and said; the exit code is 1 where anything was found, or where a target hardly ran.
 
-    tests/fuzz/run.py BUILD --seconds 60 [--executions-min 1000] [--keep] [TARGET ...]
+    tests/fuzz/run.py BUILD --seconds 60 [--executions 1000000] [--executions-min 1000] [--keep] [TARGET ...]
 
+--executions ends a target after so many, --seconds after that time, whichever comes first.
 --keep adds inputs that reach new code to tests/fuzz/corpus, minimised: the way to renew the committed corpus."""
 import argparse
 import concurrent.futures
@@ -24,7 +25,7 @@ def targets():
     return sorted(p.stem for p in HERE.glob("*.cpp"))
 
 
-def fuzz(build, target, seconds, seed):
+def fuzz(build, target, seconds, executions, seed):
     program = build / "fuzz" / target
     found, work = build / "fuzz/findings", build / "fuzz/work" / target
     corpus = HERE / "corpus" / target
@@ -34,7 +35,8 @@ def fuzz(build, target, seconds, seed):
         shutil.copy(SEEDS[target], work)
     words = HERE / f"{target}.dict"
     start = time.monotonic()
-    command = [program, *([f"-dict={words}"] if words.is_file() else []), f"-max_total_time={seconds}", f"-seed={seed}", f"-max_len={LENGTH.get(target, 1000)}", "-timeout=20",
+    command = [program, *([f"-dict={words}"] if words.is_file() else []), f"-max_total_time={seconds}", f"-seed={seed}",
+               f"-max_len={LENGTH.get(target, 1000)}", f"-runs={executions or -1}", "-timeout=20",
                "-rss_limit_mb=2000", "-print_final_stats=1", f"-artifact_prefix={found}/{target}-", work]
     done = subprocess.run(command + ([corpus] if corpus.is_dir() else []), capture_output=True, text=True, errors="replace",
                           timeout=seconds * 4 + 120, check=False)
@@ -72,18 +74,20 @@ def main():
     parser.add_argument("targets", nargs="*", default=None)
     parser.add_argument("--seconds", type=int, default=60, help="for each target (default 60)")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--executions", type=int, default=0, help="of each target; 0: no limit")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--executions-min", type=int, default=0, help="fewer executions of a target are a failure")
     parser.add_argument("--keep", action="store_true", help="renew the committed corpus")
     args = parser.parse_intermixed_args()
     chosen = args.targets or targets()
     print(f"fuzzing {len(chosen)} targets for {args.seconds} s each, seed {args.seed}", flush=True)
     failed, total = False, 0
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for r in pool.map(lambda t: fuzz(args.build, t, args.seconds, args.seed), chosen):
+    with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+        for r in pool.map(lambda t: fuzz(args.build, t, args.seconds, args.executions, args.seed), chosen):
             total += r["executions"]
             ok = r["code"] == 0 and r["executions"] >= args.executions_min
             print(f"{'ok' if ok else 'FAIL'} fuzz {r['target']}: {r['executions']} executions, {r['edges']} edges, "
-                  f"{r['seconds']:.0f} s", flush=True)
+                  f"{r['seconds']:.0f} s, {r['executions'] / r['seconds']:.0f} a second", flush=True)
             if not ok:
                 failed = True
                 print(r["said"][-4000:], flush=True)

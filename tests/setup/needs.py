@@ -27,6 +27,7 @@ MARKS = {
     # languages and tools
     "g++": word("g++", "clang-tidy"), "gcc": word("gcc", "cc"), "clang": word("clang++"), "libclang-rt-14-dev": "-fsanitize=",
     "python3": r"\.py\b|/usr/bin/python3", "python3-yaml": r"import yaml",
+    "python3-clang-14": r"import clang\.cindex", "libclang-common-14-dev": r"import clang\.cindex", "llvm": r'"llvm-cov"',
     "doxygen": word("doxygen"), "clang-format": word("clang-format"), "clang-tidy": word("clang-tidy"),
     "cmake": r'\bcmake -|"cmake", ', "pkgconf": word("pkg-config"),
     "gnuplot-nox": r'fairlead-sim (?:replay|compare|experiment)|"make".*"demo"|\["gnuplot"\]',

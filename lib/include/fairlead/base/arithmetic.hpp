@@ -48,7 +48,11 @@ inline Arithmetic check_arithmetic() noexcept {
     const volatile float third = five / 3, expected = 1.66666663f;  // 5 * (1 / 3) is one place more
     if (third < expected || third > expected) return Arithmetic::inverted;
     const volatile float zero = minus_zero + 0;
-    if (__builtin_signbit(zero) != 0) return Arithmetic::unsigned_zero;
+    // its bit: the same flag makes a comparison of __builtin_signbit, and that takes -0 for 0
+    const float kept_zero = zero;
+    std::uint32_t bits = 0;
+    __builtin_memcpy(&bits, &kept_zero, sizeof bits);
+    if (bits >> 31 != 0) return Arithmetic::unsigned_zero;
     const volatile float half = smallest * 0.5f;
     if (!(half > 0)) return Arithmetic::flushed;
     return Arithmetic::exact;

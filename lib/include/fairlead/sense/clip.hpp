@@ -20,12 +20,12 @@ constexpr bool at_range_end(const Vec3& v, float max) noexcept {
 }
 
 /// The sample with its flags for clipping, by the ranges that are known (not 0).
-constexpr Sample mark_clipped(const Sample& sample, float gyro_max_rad_s,
-                              float accel_max_m_s2) noexcept {
+constexpr Sample mark_clipped(const Sample& sample, float gyro_full_scale_rad_s,
+                              float accel_full_scale_m_s2) noexcept {
     Sample out = sample;
-    if (at_range_end(sample.gyro_rad_s, gyro_max_rad_s))
+    if (at_range_end(sample.gyro_rad_s, gyro_full_scale_rad_s))
         out.flags |= flag::clipped | flag::gyro_clipped;
-    if (at_range_end(sample.accel_m_s2, accel_max_m_s2))
+    if (at_range_end(sample.accel_m_s2, accel_full_scale_m_s2))
         out.flags |= flag::clipped | flag::accel_clipped;
     return out;
 }

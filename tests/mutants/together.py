@@ -1,0 +1,138 @@
+"""Judges many mutants with one compilation of each test: every mutation is a switch (switches.py), and a run chooses one."""
+import concurrent.futures
+import hashlib
+import json
+import pathlib
+import re
+import tempfile
+
+import switches
+from sites import mutated
+
+
+class Together:
+    """Test programs that hold all switches.
+
+    @param mutants  list of (header, site); those that are switches have a span in `spans`, by their number from 1"""
+
+    def __init__(self, suite, lib, mutants, jobs):
+        self.suite, self.lib, self.mutants = suite, lib, mutants
+        self.texts = {h: h.read_text(encoding="utf-8") for h, _ in mutants}
+        headers = switches.Headers(sorted(self.texts), suite.flags)
+        self.spans, self.constant = {}, set()
+        for k, (header, site) in enumerate(mutants, 1):
+            text = self.texts[header]
+            path = headers.path(header, site[1], site[1] + len(site[2].rstrip()))
+            span = switches.extent(path, text, site)
+            if switches.in_constant(path, text):
+                self.constant.add(k)
+            if span and not any(h == header and span[0] < b and a < span[1] for h, (a, b) in
+                                ((mutants[j - 1][0], s) for j, s in self.spans.items())):
+                self.spans[k] = span
+        self.overlay = suite.work / "together"
+        self.write()
+        with tempfile.NamedTemporaryFile("w", suffix=".cpp", dir=suite.work) as source:
+            source.write(switches.SOURCE % (len(mutants) + 1))
+            source.flush()
+            suite.call([*suite.compiler, *suite.flags, "-c", source.name, "-o", self.overlay / "switches.o"])
+        self.drop_refused(lambda: suite.compile(self.everything(), self.overlay, None))
+        tests = [s for s in suite.sources if any(h.resolve() in suite.includes[s] for h in self.changed())]
+        with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+            self.tests = dict(t for t in pool.map(self.prepare, tests) if t)
+
+    def changed(self):
+        return {self.mutants[k - 1][0] for k in self.spans}
+
+    def place(self, header):
+        return self.overlay / header.relative_to(self.lib.parent)
+
+    def write(self):
+        """Writes the headers with their switches. Each stays on its line."""
+        for header, text in self.texts.items():
+            found = [(k, self.mutants[k - 1][1], span) for k, span in self.spans.items() if self.mutants[k - 1][0] == header]
+            place = self.place(header)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_text(switches.switched(text, found), encoding="utf-8")
+        (self.overlay / "switches.hpp").write_text(switches.HEADER, encoding="utf-8")
+
+    def everything(self):
+        source = self.overlay / "everything.cpp"
+        source.write_text("".join(f'#include "{h.relative_to(self.lib.parent)}"\n' for h in sorted(self.texts)), encoding="utf-8")
+        return source
+
+    def drop_refused(self, compile_once):
+        """Compiles until it passes; switches on refused lines are taken out. @return whether it passed"""
+        for _ in range(20):
+            refused = compile_once()
+            if refused is None:
+                return True
+            at = {(f, int(line)) for f, line in re.findall(rf"({re.escape(str(self.overlay))}/\S+?):(\d+):", refused)}
+            guilty = [k for k, (a, _) in self.spans.items() if (str(self.place(self.mutants[k - 1][0])),
+                      self.texts[self.mutants[k - 1][0]].count("\n", 0, a) + 1) in at]
+            if not guilty:
+                raise SystemExit(f"FAIL the switched headers do not compile:\n{refused[:3000]}")
+            for k in guilty:
+                del self.spans[k]
+            self.write()
+        return False
+
+    def key(self, source):
+        """Changes with everything of ours that the program is made of."""
+        made = hashlib.sha256(" ".join(self.suite.flags).encode() + switches.SOURCE.encode() + bytes([len(self.mutants) % 256]))
+        for file in sorted(f for f in self.suite.includes[source] if self.suite.root in f.parents):
+            ours = self.place(file) if file in self.texts else file
+            made.update(ours.read_bytes())
+        return made.hexdigest()
+
+    def prepare(self, source):
+        """Compiles, links and runs a test, unless the last call left it so. @return (test, (program, seconds of CPU,
+        which switches it met))"""
+        name = f"{source.parent.name}_{source.stem}"
+        out, program, known = (self.overlay / f"{name}{end}" for end in (".o", "", ".json"))
+        if known.exists():
+            kept = json.loads(known.read_text(encoding="utf-8"))
+            if kept["key"] == self.key(source):
+                return source, (program, kept["seconds"], bytes.fromhex(kept["reached"]))
+        if not self.drop_refused(lambda: self.suite.compile(source, self.overlay, out)):
+            return None
+        key = self.key(source)
+        self.suite.link([out, self.overlay / "switches.o"], program)
+        out.unlink()
+        reached = self.overlay / f"{name}.reached"
+        outcome, seconds = self.suite.run(program, 600, REACHED=str(reached))
+        if outcome != "passed":
+            raise SystemExit(f"FAIL {source.name} fails with every switch off")
+        met = reached.read_bytes()
+        known.write_text(json.dumps({"key": key, "seconds": seconds, "reached": met.hex()}), encoding="utf-8")
+        return source, (program, seconds, met)
+
+    def judge(self, k):
+        """@return (outcome, by which test)"""
+        outcome, by = self.judge_switch(k) if k in self.spans else (None, "")
+        return self.judge_alone(k) if outcome is None else (outcome, by)
+
+    def judge_alone(self, k):
+        """By compilations of its own."""
+        header, site = self.mutants[k - 1]
+        with tempfile.TemporaryDirectory(dir=self.suite.work) as folder:
+            overlay = pathlib.Path(folder)
+            changed = overlay / header.relative_to(self.lib.parent)
+            changed.parent.mkdir(parents=True)
+            changed.write_text(mutated(self.texts[header], site), encoding="utf-8")
+            return self.suite.judge(header, overlay)
+
+    def judge_switch(self, k):
+        """By runs with the switch on. @return (outcome, by which test); outcome None: this cannot tell"""
+        header = self.mutants[k - 1][0]
+        met = [s for s in self.suite.of(header) if s in self.tests and self.tests[s][2][k]]
+        met.sort(key=lambda s: (-self.suite.noticed[header, s], self.tests[s][1]))
+        for source in met:
+            program, seconds, _ = self.tests[source]
+            outcome, _ = self.suite.run(program, self.suite.limit(seconds), MUTANT=str(k))
+            if outcome != "passed":
+                self.suite.noticed[header, source] += 1
+                return ("killed" if outcome == "failed" else "timeout"), source.stem
+        # a number may stand in a type, or be the size of an array
+        if k in self.constant or (not met and self.mutants[k - 1][1][0] == "constant"):
+            return None, ""
+        return ("survived" if met else "not reached"), ""
