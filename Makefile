@@ -197,7 +197,8 @@ $(FUZZ_TARGETS): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/tests/fuzz/%.o
 	$(call step,link fuzz/$*) clang++ $(FUZZ_CHECKS) -fsanitize=fuzzer $^ $(FUZZ_LIBS) -o $@
 $(addprefix $(BUILD)/fuzz/,read_text read_binary read_events): $(call fuzz_objects,$(call sources,host_sim/recording/*.cpp))
 $(BUILD)/fuzz/config: $(call fuzz_objects,$(addprefix examples/gateway/,config.cpp config_reader.cpp calibration_file.cpp text_file.cpp \
-                      toml_parser.cpp) $(addprefix port/linux/,modbus_net.cpp serial.cpp i2c.cpp i2c_smbus.cpp spidev.cpp))
+                      toml_parser.cpp)) $(addprefix $(BUILD)/,libgateway.a libport.a librecording.a)
+$(BUILD)/fuzz/config: FUZZ_LIBS := -lmodbus -lgpiod
 $(BUILD)/fuzz/modbus_rtu: $(call fuzz_objects,$(addprefix port/linux/,modbus.cpp modbus_rtu.cpp modbus_net.cpp serial.cpp))
 $(BUILD)/fuzz/modbus_rtu: FUZZ_LIBS := -lmodbus -lutil
 $(BUILD)/fuzz/follower: $(call fuzz_objects,$(addprefix examples/gateway/,follower.cpp span_maker.cpp))
@@ -211,7 +212,7 @@ soak: $(BUILD)/pipeline-soak ## [build] loop the tracker's recordings (or genera
 mutants: $(call objects,$(ATTITUDE_TRIALS)) $(patsubst %,$(BUILD)/lib%.a,$(SIM) chip_models) ## [build script test mutants] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
 	@tests/mutants/test_mutants.py
 	@tests/mutants/mutants.py --build $(BUILD) --link '$^' --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
-fuzz: $(FUZZ_TARGETS) ## [gateway clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
+fuzz: $(FUZZ_TARGETS) ## [build gateway clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target
 	@tests/fuzz/run.py $(BUILD) --seconds $(SECONDS) $(FUZZ)
 FUZZ_OF_LIB := attitude calibration decoder drivers follower intake pipeline saved
 fuzz-coverage: ## [clang sanitize coverage script] line coverage of lib by the committed corpora
