@@ -4,7 +4,9 @@
 // the samples in double. docs/cubics.md holds the tables.
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <future>
 
 #include "host_sim/study/bench_cubics/stream.hpp"
 #include "host_sim/study/bench_peers/byte_rivals.hpp"
@@ -42,37 +44,49 @@ struct Sum {
     std::size_t cells{}, samples{}, pieces{}, breaks{}, bytes{};
 };
 
-bool score(const Half& half, const c2::Costs& costs, const Options& options, Cache& cache,
-           std::int32_t delay, std::array<Sum, 2>& sums) {
+std::vector<c2::Result> results(const Half& half, const c2::Costs& costs, const Options& options,
+                                std::int32_t delay) {
     c2::StreamParams params = options.stream;
     params.delay = delay;
+    std::vector<c2::Result> all;
     for (const Cell* cell : half) {
         c2::Counts counts;
-        const c2::Result r = c2::run(cell->track, cell->tolerance, params, costs, counts);
+        all.push_back(c2::run(cell->track, cell->tolerance, params, costs, counts));
+    }
+    return all;
+}
+
+/// Bytes of the best rival.
+double rival_bytes(const Cell& cell, std::int32_t delay, Cache& cache) {
+    std::size_t least = SIZE_MAX;
+    for (const Tried& t : best_of_each(byte_rivals(cell, static_cast<std::size_t>(delay), cache)))
+        least = std::min(least, t.bytes);
+    return static_cast<double>(least);
+}
+
+bool score(const Half& half, const std::vector<c2::Result>& results, const Options& options,
+           Cache& cache, std::int32_t delay, std::array<Sum, 2>& sums) {
+    for (std::size_t i = 0; i < half.size(); ++i) {
+        const Cell& cell = *half[i];
+        const c2::Result& r = results[i];
         if (!r.fault.empty() || r.error > 1) {
             std::fprintf(stderr, "%s, delay %d: %s, error %.6f of the tolerance\n",
-                         cell->label().c_str(), delay, r.fault.c_str(), r.error);
+                         cell.label().c_str(), delay, r.fault.c_str(), r.error);
             return false;
         }
-        double rival = static_cast<double>(r.bytes);
-        if (options.rivals) {
-            rival = 1e30;
-            for (const Tried& t :
-                 best_of_each(byte_rivals(*cell, static_cast<std::size_t>(delay), cache)))
-                rival = std::min(rival, static_cast<double>(t.bytes));
-        }
-        const double ratio = static_cast<double>(r.bytes) / rival;
+        const auto bytes = static_cast<double>(r.bytes);
+        const double ratio = options.rivals ? bytes / rival_bytes(cell, delay, cache) : 1;
         if (options.verbose)
             std::fprintf(stderr, "%s, delay %d: %zu bytes, %.3f of the best rival, %zu breaks\n",
-                         cell->label().c_str(), delay, r.bytes, ratio, r.breaks);
-        Sum& sum = sums[cell->coarse ? 1 : 0];
+                         cell.label().c_str(), delay, r.bytes, ratio, r.breaks);
+        Sum& sum = sums[cell.coarse ? 1 : 0];
         sum.log_ratio += std::log(ratio);
         sum.log_velocity += std::log(r.velocity);
         sum.worst = std::max(sum.worst, ratio);
         sum.error = std::max(sum.error, r.error);
         sum.seam = std::max(sum.seam, r.seam);
         ++sum.cells;
-        sum.samples += cell->track.size();
+        sum.samples += cell.track.size();
         sum.pieces += r.pieces;
         sum.breaks += r.breaks;
         sum.bytes += r.bytes;
@@ -102,7 +116,11 @@ int measure(const Options& options) {
     // two cells a recording, fine and coarse; recordings take turns
     std::array<Half, 2> half;
     for (std::size_t i = 0; i < cells.size(); ++i) half[i / 2 % 2].push_back(&cells[i]);
-    const std::array<c2::Costs, 2> costs{trained(half[1], options), trained(half[0], options)};
+    // the halves at the same time
+    std::array<c2::Costs, 2> costs;
+    auto other = std::async(std::launch::async, [&] { return trained(half[0], options); });
+    costs[0] = trained(half[1], options);
+    costs[1] = other.get();
     Cache cache{options.folder + "/rivals.cache"};
     std::printf(
         "| delay | tolerance | bytes over best rival | worst | bytes | pieces a second and axis | "
@@ -111,8 +129,12 @@ int measure(const Options& options) {
         "|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (const std::int32_t delay : options.delays) {
         std::array<Sum, 2> sums;
+        auto second = std::async(std::launch::async,
+                                 [&] { return results(half[1], costs[1], options, delay); });
+        const std::array<std::vector<c2::Result>, 2> found{
+            results(half[0], costs[0], options, delay), second.get()};
         for (std::size_t h = 0; h < 2; ++h)
-            if (!score(half[h], costs[h], options, cache, delay, sums)) return 1;
+            if (!score(half[h], found[h], options, cache, delay, sums)) return 1;
         print(delay, sums);
     }
     return 0;
