@@ -2,8 +2,8 @@
 // A track of positions as frames of C2 cubics, read again from their bytes: what the search is
 // worth.
 //
-// Frames as in docs/stream.md, cut to what their size depends on: 3 bytes a frame, a restart after
-// every 240 records with 8 bits of time and the values of c1; each axis in turn.
+// Frames as in docs/stream.md, cut to what their size depends on: 3 bytes a frame, a restart within
+// 240 records with 8 bits of time and the values of c1; each axis in turn.
 #include <string>
 
 #include "host_sim/study/baselines/track.hpp"
