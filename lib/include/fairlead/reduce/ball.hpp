@@ -114,13 +114,14 @@ class Ball {
         const auto hf = static_cast<float>(ending.h);
         for (std::size_t a = 0; a < 3; ++a) {
             p[a] = (*at.told)[a] - static_cast<float>(o.v[a]);
-            const float bend = (p[a] - o.s[a] * hf) / (o.shape == Shape::line ? hf : hf * hf);
+            const float bend = (p[a] - o.slope(a) * hf) / (o.shape == Shape::line ? hf : hf * hf);
             if (o.shape != Shape::fresh && (bend < o.low[a] || bend > o.high[a])) return;
         }
         if (!fits(search, o, p, ending.h, at, source)) return;
         auto child = search.make(o, ending, {ending.base, {}, {}});
         for (std::size_t a = 0; a < 3; ++a)
-            child.s[a] = curve::slope_onto(o.slope[a], o.shape != Shape::quadratic, p[a], ending.h);
+            child.s[a] =
+                curve::slope_onto(o.slope_units(a), o.shape != Shape::quadratic, p[a], ending.h);
         search.place(child);
     }
 
@@ -201,25 +202,26 @@ class Ball {
         std::array<curve::Polynomial<float>, 3> c;
         const auto hf = static_cast<float>(h);
         for (std::size_t a = 0; a < 3; ++a) {
-            const float ahead = o.s[a] * hf, i2 = 1.0f / (hf * hf);
+            const float s = o.slope(a), ahead = s * hf, i2 = 1.0f / (hf * hf);
             if (o.shape == Shape::line)
                 c[a] = {p[a] / hf, 0.0f, 0.0f};
             else if (o.shape == Shape::fresh)
-                c[a] = {o.s[a], 2.0f * (p[a] - ahead) * i2, (ahead - p[a]) * i2 / hf};
+                c[a] = {s, 2.0f * (p[a] - ahead) * i2, (ahead - p[a]) * i2 / hf};
             else
-                c[a] = {o.s[a], (p[a] - ahead) * i2, 0.0f};
+                c[a] = {s, (p[a] - ahead) * i2, 0.0f};
         }
         const float limit = search.radius() * search.radius();
-        // begins with the sample that refuted the piece before: it is likely to refute this one too
-        const std::size_t first = source.first(o.column);
+// begins with the sample that refuted the piece before: it is likely to refute this one too
+        const std::size_t first = o.first;
         const bool again = refuted_by_ >= first && refuted_by_ < at.last;
         std::size_t i = again ? refuted_by_ + 1 : at.last;
         for (std::size_t left = at.last - first; left > 0; --left) {
             if (i == first) i = at.last;
             --i;
-            ++work_;
             const curve::Moment m = source.when(i);
             const float t = static_cast<float>(m.tick - source.start_tick() - o.tick) + m.part;
+            if (!(t > 0.0f)) continue;  // before the window
+            ++work_;
             const Place& y = source.place(i);
             float n = 0;
             for (std::size_t a = 0; a < 3; ++a) {

@@ -12,6 +12,7 @@
 #include "fairlead/code/model.hpp"
 #include "fairlead/code/tables.hpp"
 #include "fairlead/curve/state.hpp"
+#include "fairlead/reduce/paths.hpp"
 
 namespace fairlead::reduce {
 
@@ -62,23 +63,6 @@ constexpr Cost jump_bits_max(std::size_t components, std::size_t samples = 4) no
     return own * (n * (5 + 17) + duration) + 2 * (n * 5 + duration) + 4 * code_bits +
            margin_cost / 16;
 }
-
-/// How the vertex of a child was reached.
-namespace how {
-inline constexpr std::uint8_t slot = 7;     // the parent's place in its column
-inline constexpr std::uint8_t line = 8;     // a straight line
-inline constexpr std::uint8_t jump = 16;    // a jump
-inline constexpr std::uint8_t to_end = 32;  // coded as "to the end of the frame"
-inline constexpr std::uint8_t rebase = 64;  // a rotation: the anchor moves behind the piece
-}  // namespace how
-
-/// A piece as the search commits it; k follows from the walk along the curve.
-template <std::size_t N>
-struct Step {
-    std::array<std::int16_t, N> v{};  // vertex at its end, against the window's origin
-    std::uint8_t ticks{};
-    std::uint8_t how{};
-};
 
 /// Code of a piece of h ticks.
 constexpr std::uint8_t code_of(std::uint8_t way, std::int32_t h) noexcept {
@@ -150,7 +134,7 @@ struct Vertex {
     std::array<std::int32_t, N> s{};
     std::array<std::int16_t, N> v{};
     std::uint16_t cost{};
-    std::uint8_t parent_column{}, way{};  // how::...
+    std::uint8_t before{}, way{};  // its vertex before, in Paths; how::...
     std::array<std::int8_t, N> last_k{}, sign{};
     std::uint8_t last_code{}, last_ticks{};
 };
@@ -158,14 +142,20 @@ struct Vertex {
 /// A piece that begins at a vertex and has no end yet.
 template <std::size_t N>
 struct Hypothesis {
-    std::array<float, N> low, high, s;  // bounds of (p - s h) / h^2; slope in steps a tick
-    std::array<std::int32_t, N> slope;
+    std::array<float, N> low, high;  // bounds of (p - s h) / h^2
+    std::array<float, N> s;          // slope as an integer of 1/960 step a tick: exact
     std::array<std::int16_t, N> v;
     std::uint16_t cost;
-    std::uint8_t tick, column, slot;
+    std::uint8_t tick, vertex;  // where it begins; the vertex in Paths
+    std::uint8_t first;         // no sample before this one is behind its start
     std::array<std::int8_t, N> last_k, sign;
     std::uint8_t last_code, last_ticks;
     Shape shape;
+
+    float slope(std::size_t a) const noexcept { return s[a] * slope_steps; }
+    std::int32_t slope_units(std::size_t a) const noexcept {
+        return static_cast<std::int32_t>(s[a]);
+    }
 };
 
 /// What all vertices at the end of one piece have in common.

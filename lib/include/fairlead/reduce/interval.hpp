@@ -53,7 +53,8 @@ class Interval {
                 listed ? static_cast<float>(curve::lengths[i]) : static_cast<float>(guess_);
             if (h < age || low_[i] > high_[i]) continue;
             const float w = age * (listed ? inverse_length[i] : 1.0f / h), rest = 1.0f - w;
-            const float inverse = 1.0f / (w * w * (2.0f - w)), ahead = o.s[0] * age * (rest * rest);
+            const float inverse = 1.0f / (w * w * (2.0f - w)),
+                        ahead = o.slope(0) * age * (rest * rest);
             const float e = room(radius, 4.0f * d, 4.0f * ahead);
             const float low = (d - ahead - e) * inverse, high = (d - ahead + e) * inverse;
             if (low > low_[i]) low_[i] = low;

@@ -461,7 +461,7 @@ class RotationChannel {
     void rechart() noexcept {
         const Line line = trend(column_tick_);
         const std::size_t best = search_.choose(line.value, line.slope, false);
-        step_count_ += search_.trace(best, ticks_, steps_, step_count_);
+        step_count_ += search_.trace(best, steps_, step_count_);
         if (step_count_ > 0) steps_[step_count_ - 1].how |= how::rebase;
         const std::uint8_t row = search_.state(best).last_code;
         spent_ += search_.cost_of(best) + code::costs<Kind, 3>.length[row][curve::code::rebase];
@@ -582,7 +582,7 @@ class RotationChannel {
         const bool told = seam != Seam::carry && !last_;
         const Line line = trend(to);
         const std::size_t best = last_ ? 0 : search_.choose(line.value, line.slope, told);
-        step_count_ += search_.trace(best, ticks_, steps_, step_count_);
+        step_count_ += search_.trace(best, steps_, step_count_);
         frame_steps_ = step_count_;
         frame_told_ = told;
         held_ = true;

@@ -42,9 +42,11 @@ class Search : private Geometry {
         column_count_ = 1;
         best_ = 0;
         open_count_ = 0;
-        index_ = before_index_ = 0;
-        back_[0][0] = {};
-        open_child(c, 0, 0, 0);
+        index_ = tick_ = 0;
+        paths_.clear();
+        before_vertex_ = vertex_[0] = paths_.start;
+        last_ = 0;
+        open_child(c, 0, 0);
         open_[0].shape = shape_of(state);
     }
 
@@ -64,14 +66,17 @@ class Search : private Geometry {
     }
 
     /// Offers vertices at a column; the last one again where its index is the same. Source:
-    /// when(i), place(i) and first(column) of the samples that the window has so far.
+    /// when(i) and place(i) of the samples that the window has so far, and start_tick().
     template <class Source>
     void column(const Column& at, const Source& source) noexcept {
         if (index_ != at.index) {
             before_ = column_[0];
-            before_index_ = index_;
+            before_vertex_ = vertex_[0];
+            before_tick_ = tick_;
+            tick_ = static_cast<std::uint8_t>(at.tick);
             index_ = static_cast<std::uint8_t>(at.index);
         }
+        last_ = static_cast<std::uint8_t>(at.last);
         column_count_ = 0;
         Geometry::begin_column();
         const Cost bound = best_ + margin_cost;
@@ -89,13 +94,8 @@ class Search : private Geometry {
             ++kept;
         }
         open_count_ = kept;
-        if (column_count_ > 0 || !Geometry::renew(width)) return;
-        // long pieces took the whole budget, and none fits: the newest first
-        for (std::size_t i = open_count_; i-- > 0 && column_count_ == 0;) {
-            const std::int32_t h = at.tick - open_[i].tick;
-            const std::uint8_t code = curve::index_of(h);
-            if (code != curve::code::none || at.end) close(open_[i], h, code, at, source);
-        }
+        if (column_count_ == 0 && Geometry::renew(width)) close_newest(at, source);
+        make_room();
     }
 
     /// Offers a jump from the column before: what is always possible. Call after column().
@@ -105,7 +105,7 @@ class Search : private Geometry {
         Child c;
         for (std::size_t a = 0; a < n; ++a) c.v[a] = static_cast<std::int16_t>(v[a]);
         c.cost = static_cast<std::uint16_t>(cost < cost_limit ? cost : cost_limit);
-        c.parent_column = before_index_;
+        c.before = before_vertex_;
         c.way = how::jump;
         c.sign = before_.sign;
         c.last_code = curve::code::jump;
@@ -116,12 +116,16 @@ class Search : private Geometry {
     /// Lets the children of the column grow; record() instead where the frame ends here.
     void grow(std::int32_t tick) noexcept {
         record();
-        for (std::size_t i = 0; i < column_count_; ++i) open_child(column_[i], tick, index_, i);
+        for (std::size_t i = 0; i < column_count_; ++i) open_child(column_[i], tick, i);
         best_ = column_[0].cost;
     }
     void record() noexcept {
-        for (std::size_t i = 0; i < column_count_; ++i)
-            back_[index_][i] = {column_[i].v, column_[i].parent_column, column_[i].way};
+        for (std::size_t i = 0; i < column_count_; ++i) {
+            const Child& c = column_[i];
+            const bool jump = (c.way & how::jump) != 0;
+            const auto since = static_cast<std::uint8_t>(tick_ - before_tick_);
+            vertex_[i] = paths_.add(c.before, {c.v, jump ? since : c.last_ticks, c.way});
+        }
     }
 
     std::size_t count() const noexcept { return column_count_; }
@@ -159,36 +163,19 @@ class Search : private Geometry {
     }
 
     /// Writes the pieces that lead to child i of the column, in order, from steps[from] on.
-    /// ticks: tick of each column. @return their number.
-    template <class Ticks, class Steps>
-    std::size_t trace(std::size_t i, const Ticks& ticks, Steps& steps,
-                      std::size_t from) const noexcept {
-        std::size_t count = 0;
-        for (std::size_t c = index_, s = i; c > 0 && count < Columns; ++count) {
-            const Back& b = back_[c][s];
-            c = b.column;
-            s = b.way & how::slot;
-        }
-        std::size_t at = count;
-        for (std::size_t c = index_, s = i; at > 0;) {
-            const Back& b = back_[c][s];
-            --at;
-            if (from + at < steps.size())
-                steps[from + at] = {b.v, static_cast<std::uint8_t>(ticks[c] - ticks[b.column]),
-                                    b.way};
-            c = b.column;
-            s = b.way & how::slot;
-        }
-        return count;
+    /// @return their number.
+    template <class Steps>
+    std::size_t trace(std::size_t i, Steps& steps, std::size_t from) const noexcept {
+        return paths_.trace(vertex_[i], steps, from);
     }
 
   private:
     using Open = Hypothesis<n>;
     using Child = Vertex<n>;
-    struct Back {
-        std::array<std::int16_t, n> v;
-        std::uint8_t column, way;
-    };
+    /// Room for one path with a vertex at each column, and for what goes back from hypotheses.
+    static constexpr std::size_t vertices =
+        Columns + 1 + open_max < 254 ? Columns + 1 + open_max : 254;
+    static_assert(vertices >= Columns + 1 + width);
 
     static curve::State<n> state_of(const Child& c, bool fresh) noexcept {
         curve::State<n> state;
@@ -205,7 +192,7 @@ class Search : private Geometry {
     bool bound(Open& o, float age, const Sample& x) const noexcept {
         const float inverse = 1.0f / (o.shape == Shape::line ? age : age * age);
         for (std::size_t a = 0; a < n; ++a) {
-            const float d = Geometry::from(x[a], o.v[a]), ahead = o.s[a] * age;
+            const float d = Geometry::from(x[a], o.v[a]), ahead = o.slope(a) * age;
             const float r = d - ahead, e = Geometry::room(radius_, d, ahead);
             const float low = (r - e) * inverse, high = (r + e) * inverse;
             if (low > o.low[a]) o.low[a] = low;
@@ -213,6 +200,16 @@ class Search : private Geometry {
             if (!(o.low[a] <= o.high[a])) return false;
         }
         return true;
+    }
+
+    /// Long pieces took the whole budget, and none fits: the newest first.
+    template <class Source>
+    void close_newest(const Column& at, const Source& source) noexcept {
+        for (std::size_t i = open_count_; i-- > 0 && column_count_ == 0;) {
+            const std::int32_t h = at.tick - open_[i].tick;
+            const std::uint8_t code = curve::index_of(h);
+            if (code != curve::code::none || at.end) close(open_[i], h, code, at, source);
+        }
     }
 
     /// Offers vertices at the end of a piece of h ticks. index: of its length, or none.
@@ -228,8 +225,7 @@ class Search : private Geometry {
         ending.before.last_k = o.last_k;
         ending.before.sign = o.sign;
         ending.code = index;
-        ending.way = o.slot;
-        if (o.shape == Shape::line) ending.way |= how::line;
+        if (o.shape == Shape::line) ending.way = how::line;
         if (at.end) {
             ending.code = curve::code::to_end;
             ending.way |= how::to_end;
@@ -237,7 +233,7 @@ class Search : private Geometry {
         ending.base = o.cost + costs.length[code::length_row(ending.before)][ending.code];
         if (ending.base >= worst()) return;
         for (std::size_t a = 0; a < n; ++a)
-            ending.predicted[a] = curve::predicted_rise(o.slope[a], ending.before.fresh, h);
+            ending.predicted[a] = curve::predicted_rise(o.slope_units(a), ending.before.fresh, h);
         Geometry::offer(*this, o, ending, at, source);
     }
 
@@ -248,14 +244,14 @@ class Search : private Geometry {
         const bool line = o.shape == Shape::line;
         const auto h = static_cast<float>(ending.h), here = static_cast<float>(o.v[a]);
         if (o.shape != Shape::fresh) {
-            const float h2 = line ? h : h * h, ahead = o.s[a] * h;
+            const float h2 = line ? h : h * h, ahead = o.slope(a) * h;
             range.low = ahead + o.low[a] * h2;
             range.high = ahead + o.high[a] * h2;
         }
         if (at.known) range.within(at.middle[a] - radius_ - here, at.middle[a] + radius_ - here);
         if (at.after > 0.0f) {
             const Range way_on =
-                reach(o.s[a], line || o.shape == Shape::fresh, h, at.later[a] - here, at.after,
+                reach(o.slope(a), line || o.shape == Shape::fresh, h, at.later[a] - here, at.after,
                       radius_ + bend_likely * at.after * at.after);
             range.within(way_on.low, way_on.high);
         }
@@ -271,7 +267,7 @@ class Search : private Geometry {
             const std::int32_t k = c.k[a];
             child.v[a] = static_cast<std::int16_t>(o.v[a] + c.p[a]);
             child.s[a] =
-                curve::slope_after(o.slope[a], o.shape != Shape::quadratic, c.p[a], ending.h);
+                curve::slope_after(o.slope_units(a), o.shape != Shape::quadratic, c.p[a], ending.h);
             child.last_k[a] = ending.before.fresh ? std::int8_t{0}
                                                   : static_cast<std::int8_t>(k > 100    ? 100
                                                                              : k < -100 ? -100
@@ -279,7 +275,7 @@ class Search : private Geometry {
             child.sign[a] = k != 0 ? static_cast<std::int8_t>(k > 0 ? 1 : -1) : o.sign[a];
         }
         child.cost = static_cast<std::uint16_t>(c.cost < cost_limit ? c.cost : cost_limit);
-        child.parent_column = o.column;
+        child.before = o.vertex;
         child.way = ending.way;
         child.last_code = ending.code;
         child.last_ticks = static_cast<std::uint8_t>(ending.h);
@@ -322,28 +318,51 @@ class Search : private Geometry {
         column_[at] = c;
     }
 
-    void open_child(const Child& c, std::int32_t tick, std::size_t index,
-                    std::size_t slot) noexcept {
+    /// Makes sure that the children of the column find room among the paths. Where nothing else
+    /// helps, the column is left to a jump from the column before: one path always has room.
+    void make_room() noexcept {
+        if (paths_.room() >= width) return;
+        for (std::size_t left = open_count_;; left /= 2) {
+            drop_dearest(left);
+            paths_.forget();
+            paths_.keep(before_vertex_);
+            for (std::size_t i = 0; i < open_count_; ++i) paths_.keep(open_[i].vertex);
+            for (std::size_t i = 0; i < column_count_; ++i) paths_.keep(column_[i].before);
+            if (paths_.room() >= width) return;
+            if (left == 0) column_count_ = 0;
+        }
+    }
+    void drop_dearest(std::size_t left) noexcept {
+        while (open_count_ > left) drop(dearest());
+    }
+    std::size_t dearest() const noexcept {
+        std::size_t dearest = 0;
+        for (std::size_t i = 1; i < open_count_; ++i)
+            if (open_[i].cost > open_[dearest].cost) dearest = i;
+        return dearest;
+    }
+    void drop(std::size_t which) noexcept {
+        for (std::size_t i = which + 1; i < open_count_; ++i) open_[i - 1] = open_[i];
+        --open_count_;
+    }
+
+    void open_child(const Child& c, std::int32_t tick, std::size_t slot) noexcept {
         if (open_count_ == open_max) {  // the dearest goes; a column's best always finds room
-            std::size_t dearest = 0;
-            for (std::size_t i = 1; i < open_count_; ++i)
-                if (open_[i].cost > open_[dearest].cost) dearest = i;
-            if (slot > 0 && open_[dearest].cost <= c.cost) return;
-            for (std::size_t i = dearest + 1; i < open_count_; ++i) open_[i - 1] = open_[i];
-            --open_count_;
+            const std::size_t which = dearest();
+            if (slot > 0 && open_[which].cost <= c.cost) return;
+            drop(which);
         }
         Open& o = open_[open_count_++];
         for (std::size_t a = 0; a < n; ++a) {
             o.low[a] = -far_away;
             o.high[a] = far_away;
-            o.s[a] = static_cast<float>(c.s[a]) * slope_steps;
+            o.s[a] = static_cast<float>(c.s[a]);
         }
-        o.slope = c.s;
         o.v = c.v;
         o.cost = c.cost;
         o.tick = static_cast<std::uint8_t>(tick);
-        o.column = static_cast<std::uint8_t>(index);
-        o.slot = static_cast<std::uint8_t>(slot);
+        o.vertex = vertex_[slot];
+        o.first = last_;
         o.last_k = c.last_k;
         o.sign = c.sign;
         o.last_code = c.last_code;
@@ -353,12 +372,14 @@ class Search : private Geometry {
 
     std::array<Open, open_max> open_{};
     std::array<Child, width> column_{};
-    std::array<std::array<Back, width>, Columns + 1> back_{};
+    Paths<n, vertices> paths_{};
+    std::array<std::uint8_t, width> vertex_{};  // those of the column
     Child before_{};
     Cost best_{0};
     float radius_{};
     std::size_t open_count_{0}, column_count_{0};
-    std::uint8_t index_{0}, before_index_{0};
+    std::uint8_t index_{0}, tick_{0}, before_tick_{0}, before_vertex_{0};
+    std::uint8_t last_{0};  // one behind the last sample of the column
     bool fresh_{true};
 };
 

@@ -555,7 +555,7 @@ class VectorChannel {
             step_count_[a] = 1;
         } else {
             const std::size_t best = last ? 0 : search.choose(line.value[a], line.slope[a], false);
-            step_count_[a] = search.trace(best, ticks_, steps_[a], 0);
+            step_count_[a] = search.trace(best, steps_[a], 0);
             curve::State<1> state = search.state(best);
             state.v[0] += state_[a].v[0];
             state_[a] = state;
