@@ -211,7 +211,7 @@ class Ball {
                 c[a] = {s, (p[a] - ahead) * i2, 0.0f};
         }
         const float limit = search.radius() * search.radius();
-// begins with the sample that refuted the piece before: it is likely to refute this one too
+        // begins with the sample that refuted the piece before: it is likely to refute this one too
         const std::size_t first = o.first;
         const bool again = refuted_by_ >= first && refuted_by_ < at.last;
         std::size_t i = again ? refuted_by_ + 1 : at.last;

@@ -20,7 +20,7 @@ using code::Cost;
 
 /// Sizes of a search. Width: children a column; Open: open hypotheses; Spare: pushes over which a
 /// frame is checked and coded, at most; they are lost to its window. Small: 2, 24, 6; medium: 3,
-/// 32, 6; large: 8, 64, 2. Wider costs work and memory and saves bytes, and so does less spare:
+/// 24, 6; large: 8, 64, 2. Wider costs work and memory and saves bytes, and so does less spare:
 /// docs/choosing.md.
 template <std::size_t WidthN, std::size_t OpenN, std::uint32_t SpareN = 6>
 struct Beam {
@@ -117,8 +117,7 @@ constexpr Shape shape_of(const curve::State<N>& s) noexcept {
 /// Where a column is, and what surrounds it; N components, in steps against the origin.
 template <std::size_t N>
 struct Column {
-    std::size_t index{};
-    std::int32_t tick{};  // from the window's start
+    std::int32_t tick{};  // from the window's start; > 0
     std::size_t last{};   // one behind the last sample at or before it
     std::array<float, N> middle{};
     bool known{};                        // middle bounds the vertex

@@ -47,7 +47,7 @@ class RotationChannel {
     static constexpr Cost column_bits_max = jump_bits_max(3);
     static constexpr Cost start_bits_max = 50 + 77;  // a place of the grid, and the frame's jump
     Cost next_column_bits(std::size_t more) const noexcept {
-        const std::size_t samples = samples_.count() - firsts_[columns_] + more;
+        const std::size_t samples = samples_.count() - newest_column_.samples + more;
         return jump_bits_max(3, samples > 0 ? samples : 1) + (starts_ ? start_bits_max : 0);
     }
 
@@ -191,7 +191,7 @@ class RotationChannel {
         steps_[0] = {{}, ticks, how::jump};
         frame_steps_ = ticks > 0 ? 1 : 0;
         frame_told_ = told && !segment_.ends;
-        const Place y = n > first ? Source<true>{*this}.place(n - 1) : Place{};
+        const Place y = n > first ? Source{*this, true}.place(n - 1) : Place{};
         for (std::size_t a = 0; a < 3; ++a)
             steps_[0].v[a] = static_cast<std::int16_t>(nearest(y[a]));
         if (!frame_told_) return;
@@ -282,6 +282,11 @@ class RotationChannel {
     struct Line {
         Place value{}, slope{};
     };
+    /// A column: its tick in the frame, and one behind the last sample at or before it.
+    struct Mark {
+        std::int32_t tick{};
+        std::size_t samples{};
+    };
     struct Cursor {
         std::size_t step{0}, sample{0};
         std::int32_t tick{0};
@@ -296,9 +301,9 @@ class RotationChannel {
         std::array<curve::Polynomial<float>, 3> c{};
     };
     /// A constant's ball: the lattice place nearest to the first sample, as long as it holds.
-    template <bool Old>
     struct Source {
         const RotationChannel& channel;
+        bool old;  // of the committed frame, else of the window
         struct Fit {
             std::array<std::int32_t, 3> v{};
             float limit{};
@@ -334,22 +339,27 @@ class RotationChannel {
         };
         Fit fit() const noexcept {
             Fit fit;
-            const bool exact = Old && channel.exact_;
+            const bool exact = old && channel.exact_;
             const float radius = exact ? channel.full_radius_ * exact_part : channel.radius_;
             fit.limit = radius * radius;
             return fit;
         }
         curve::Moment when(std::size_t i) const noexcept {
-            return Old ? channel.samples_.old_when(i) : channel.samples_.when(i);
+            return old ? channel.samples_.old_when(i) : channel.samples_.when(i);
         }
         Place place(std::size_t i) const noexcept {
-            if (!Old) return channel.samples_.value(i);
+            if (!old) return channel.samples_.value(i);
             const Place& y = channel.samples_.old_value(i);
             return channel.exact_
                        ? channel.moved(channel.segment_.start.anchor, channel.old_anchor_, y)
                        : y;
         }
-        std::size_t first(std::size_t column) const noexcept { return channel.firsts_[column]; }
+    };
+    /// Samples of the window, as the search compares them.
+    struct Seen {
+        const RotationChannel& channel;
+        curve::Moment when(std::size_t i) const noexcept { return channel.samples_.when(i); }
+        const Place& place(std::size_t i) const noexcept { return channel.samples_.value(i); }
         std::int32_t start_tick() const noexcept { return channel.start_tick_; }
     };
 
@@ -389,7 +399,7 @@ class RotationChannel {
     }
     bool next_part(PieceType& piece) noexcept {
         Cursor& c = cursor_;
-        if (!c.walk.next(Source<true>{*this}, piece)) return false;
+        if (!c.walk.next(Source{*this, true}, piece)) return false;
         static_cast<void>(curve::step(c.state.chart, piece));
         return true;
     }
@@ -403,8 +413,7 @@ class RotationChannel {
 
     void open_window(std::int32_t tick) noexcept {
         start_tick_ = column_tick_ = tick;
-        ticks_[0] = static_cast<std::uint8_t>(tick);
-        firsts_[0] = 0;
+        before_ = newest_column_ = {tick, 0};
         first_samples_ = 0;
         columns_ = 0;
         told_ = far_ = false;
@@ -413,7 +422,7 @@ class RotationChannel {
     /// The window begins behind the samples up to this tick.
     void mark_first(std::int32_t tick) noexcept {
         first_samples_ = samples_.count_to(tick);
-        firsts_[0] = static_cast<std::uint8_t>(first_samples_);
+        newest_column_.samples = first_samples_;
     }
     void keep(const curve::Moment& at, const Quat& q) noexcept {
         const Place y = curve::place(state_.anchor, q, step_);
@@ -479,12 +488,11 @@ class RotationChannel {
                const Place* later_place) noexcept {
         if (columns_ >= Window + 1) return;
         column_tick_ = tick;
-        ticks_[++columns_] = static_cast<std::uint8_t>(tick);
-        const std::size_t jump_first = firsts_[columns_ - 1];
+        ++columns_;
         const std::size_t last = later != nullptr ? samples_.count() : samples_.count_to(tick);
-        firsts_[columns_] = static_cast<std::uint8_t>(last);
+        before_ = newest_column_;
+        newest_column_ = {tick, last};
         Column at;
-        at.index = columns_;
         at.tick = tick - start_tick_;
         at.last = last;
         at.end = end;
@@ -494,8 +502,8 @@ class RotationChannel {
         }
         middle_at(at, tick);
         if (told) tell(at);
-        search_.column(at, Source<false>{*this});
-        offer_jump(tick, at.middle, jump_first, last);
+        search_.column(at, Seen{*this});
+        offer_jump(at.middle);
         if (end)
             search_.record();
         else
@@ -505,14 +513,13 @@ class RotationChannel {
     /// on the place of the grid, or a jump leads there.
     void offer_again() noexcept {
         Column at;
-        at.index = columns_;
         at.tick = column_tick_ - start_tick_;
-        at.last = firsts_[columns_];
+        at.last = newest_column_.samples;
         at.end = true;
         middle_at(at, column_tick_);
         tell(at);
-        search_.column(at, Source<false>{*this});
-        offer_jump(column_tick_, at.middle, firsts_[columns_ - 1], at.last);
+        search_.column(at, Seen{*this});
+        offer_jump(at.middle);
         search_.record();
     }
     /// The frame ends at the place of the grid nearest to where the samples are.
@@ -551,9 +558,10 @@ class RotationChannel {
             at.middle[a] += (at.later[a] - at.middle[a]) * (gone / (gone + at.after));
     }
 
-    void offer_jump(std::int32_t tick, const Place& middle, std::size_t first,
-                    std::size_t last) noexcept {
-        curve::State<3> state = search_.before_state(columns_ == 1);
+    /// Offers the jump from the column before the newest one, where it may be cheaper than what
+    /// there is.
+    void offer_jump(const Place& middle) noexcept {
+        curve::State<3> state = search_.before_state();
         if (search_.count() > 0) {
             Cost least = search_.before_cost() + jump_code_cost_min + code::tick_cost;
             for (std::size_t a = 0; a < 3; ++a)
@@ -562,10 +570,11 @@ class RotationChannel {
         }
         std::array<std::int32_t, 3> target;
         for (std::size_t a = 0; a < 3; ++a) target[a] = nearest(middle[a]);
-        JumpWalk<3> walk{state.v, target, ticks_[columns_ - 1], tick, first, last};
+        const std::size_t first = before_.samples, last = newest_column_.samples;
+        JumpWalk<3> walk{state.v, target, before_.tick, newest_column_.tick, first, last};
         code::Counter counter;
         curve::Piece<3> piece;
-        const Source<false> source{*this};
+        const Source source{*this, false};
         for (std::size_t i = 0; i < jump_parts(last - first) && walk.next(source, piece); ++i)
             static_cast<void>(code::code_piece<Kind>(counter, code::costs<Kind, 3>, state, piece,
                                                      piece.subs, code::End::coded));
@@ -622,10 +631,9 @@ class RotationChannel {
     Samples<Place, Window> samples_{};
     Search search_{};
     std::array<Step<3>, Window + 1> steps_{};
-    std::array<std::uint8_t, Window + 2> ticks_{};
-    std::array<std::uint8_t, Window + 2> firsts_{};
-    curve::RotationState state_{};  // where the window began
-    curve::RotationState start_{};  // where the frame began
+    Mark before_{}, newest_column_{};  // the last two columns
+    curve::RotationState state_{};     // where the window began
+    curve::RotationState start_{};     // where the frame began
     curve::GridQuat start_grid_{}, end_grid_{};
     Quat end_anchor_{};
     Quat old_anchor_{};  // of the committed samples: at the frame's end, of all in a frame given up

@@ -42,7 +42,8 @@ class Search : private Geometry {
         column_count_ = 1;
         best_ = 0;
         open_count_ = 0;
-        index_ = tick_ = 0;
+        tick_ = before_tick_ = 0;
+        before_ = c;
         paths_.clear();
         before_vertex_ = vertex_[0] = paths_.start;
         last_ = 0;
@@ -65,16 +66,15 @@ class Search : private Geometry {
         open_count_ = kept;
     }
 
-    /// Offers vertices at a column; the last one again where its index is the same. Source:
+    /// Offers vertices at a column; at the last one again where its tick is the same. Source:
     /// when(i) and place(i) of the samples that the window has so far, and start_tick().
     template <class Source>
     void column(const Column& at, const Source& source) noexcept {
-        if (index_ != at.index) {
+        if (tick_ != at.tick) {
             before_ = column_[0];
             before_vertex_ = vertex_[0];
             before_tick_ = tick_;
             tick_ = static_cast<std::uint8_t>(at.tick);
-            index_ = static_cast<std::uint8_t>(at.index);
         }
         last_ = static_cast<std::uint8_t>(at.last);
         column_count_ = 0;
@@ -136,8 +136,8 @@ class Search : private Geometry {
     /// State at a child, v against the origin.
     curve::State<n> state(std::size_t i) const noexcept { return state_of(column_[i], false); }
     /// The best vertex of the column before the last one, from which a jump may lead.
-    curve::State<n> before_state(bool first) const noexcept {
-        return state_of(before_, first && fresh_);
+    curve::State<n> before_state() const noexcept {
+        return state_of(before_, fresh_ && before_vertex_ == paths_.start);
     }
 
     /// Child to end the window with: the cheapest, the seam to come included. `value` and `slope`
@@ -378,7 +378,7 @@ class Search : private Geometry {
     Cost best_{0};
     float radius_{};
     std::size_t open_count_{0}, column_count_{0};
-    std::uint8_t index_{0}, tick_{0}, before_tick_{0}, before_vertex_{0};
+    std::uint8_t tick_{0}, before_tick_{0}, before_vertex_{0};
     std::uint8_t last_{0};  // one behind the last sample of the column
     bool fresh_{true};
 };

@@ -237,7 +237,7 @@ class VectorChannel {
             c.sample = old_count_to(0, segment_.start_tick);
         }
         if (c.jumping) {
-            if (c.walk.next(OldSource{*this, axis}, piece)) {
+            if (c.walk.next(Source{*this, axis, true}, piece)) {
                 static_cast<void>(curve::step(c.state, piece));
                 return true;
             }
@@ -341,20 +341,19 @@ class VectorChannel {
             return (x + curve::fine - 1) >> curve::fine_bits;
         }
     };
-    template <bool Old>
+    /// Samples of one axis, of the window or of the committed frame.
     struct Source {
         const VectorChannel& channel;
         std::size_t axis;
+        bool old;
         struct Fit : Box {
             bool add(const Source&, std::size_t i) noexcept { return Box::add(i); }
         };
-        Fit fit() const noexcept { return {{channel, axis, Old}}; }
+        Fit fit() const noexcept { return {{channel, axis, old}}; }
         curve::Moment when(std::size_t i) const noexcept {
-            return Old ? channel.samples_.old_when(i) : channel.samples_.when(i);
+            return old ? channel.samples_.old_when(i) : channel.samples_.when(i);
         }
     };
-    using OldSource = Source<true>;
-    using NewSource = Source<false>;
 
     bool holds(Check& k) noexcept {
         const curve::Moment at = samples_.old_when(k.sample);
@@ -392,7 +391,7 @@ class VectorChannel {
         return approx::absolute(d - rise) + lost <= lattice_[k.axis].full_radius;
     }
     bool next_part(std::size_t axis, PieceType& piece) noexcept {
-        if (!cursor_.walk.next(OldSource{*this, axis}, piece)) return false;
+        if (!cursor_.walk.next(Source{*this, axis, true}, piece)) return false;
         static_cast<void>(curve::step(cursor_.state, piece));
         return true;
     }
@@ -420,7 +419,6 @@ class VectorChannel {
 
     void open_window(std::int32_t tick, std::int32_t guess) noexcept {
         start_tick_ = column_tick_ = tick;
-        ticks_[0] = static_cast<std::uint8_t>(tick);
         columns_ = 0;
         stalled_ = false;
         column_samples_ = first_samples_ = 0;
@@ -447,11 +445,11 @@ class VectorChannel {
     void offer(std::int32_t tick, bool end, bool told, const curve::Moment* later,
                const Value* later_value) noexcept {
         if (columns_ >= Window + 1) return;
+        const std::int32_t from = column_tick_;
         column_tick_ = tick;
-        ticks_[++columns_] = static_cast<std::uint8_t>(tick);
+        ++columns_;
         const std::size_t last = samples_to(tick, later);
         Column at;
-        at.index = columns_;
         at.tick = tick - start_tick_;
         at.last = last;
         at.end = end;
@@ -460,8 +458,8 @@ class VectorChannel {
             Search& search = search_[a];
             if (stalled_) continue;
             surround(at, a, tick, later, later_value);
-            search.column(at, NewSource{*this, a});
-            offer_jump(a, tick, last, at.middle[0]);
+            search.column(at, Source{*this, a, false});
+            offer_jump(a, from, tick, last, at.middle[0]);
             if (end)
                 search.record();
             else
@@ -501,9 +499,10 @@ class VectorChannel {
     }
 
     /// Offers the jump from the column before, where it may be cheaper than what there is.
-    void offer_jump(std::size_t a, std::int32_t tick, std::size_t last, float middle) noexcept {
+    void offer_jump(std::size_t a, std::int32_t from, std::int32_t tick, std::size_t last,
+                    float middle) noexcept {
         auto& search = search_[a];
-        curve::State<1> state = search.before_state(columns_ == 1);
+        curve::State<1> state = search.before_state();
         if (search.count() > 0) {
             const float rise = middle - static_cast<float>(state.v[0]);
             const Cost least = search.before_cost() + jump_code_cost_min + code::tick_cost +
@@ -513,10 +512,10 @@ class VectorChannel {
         const std::int32_t target =
             state_[a].v[0] + static_cast<std::int32_t>(middle < 0 ? middle - 0.5f : middle + 0.5f);
         state.v[0] += state_[a].v[0];
-        JumpWalk<1> walk{state.v, {target}, ticks_[columns_ - 1], tick, column_samples_, last};
+        JumpWalk<1> walk{state.v, {target}, from, tick, column_samples_, last};
         code::Counter counter;
         curve::Piece<1> piece;
-        const NewSource source{*this, a};
+        const Source source{*this, a, false};
         const std::size_t most = jump_parts(last - column_samples_);
         for (std::size_t i = 0; i < most && walk.next(source, piece); ++i)
             static_cast<void>(code::code_piece<Kind>(counter, code::costs<Kind, 1>, state, piece,
@@ -547,7 +546,7 @@ class VectorChannel {
             JumpWalk<1> walk{state_[a].v, {nearest(a, newest)}, start_tick_,
                              tick,        first_samples_,       samples};
             curve::Piece<1> piece;
-            const NewSource source{*this, a};
+            const Source source{*this, a, false};
             const std::size_t most = jump_parts(samples - first_samples_);
             for (std::size_t i = 0; i < most && walk.next(source, piece); ++i)
                 static_cast<void>(curve::step(state_[a], piece));
@@ -596,7 +595,6 @@ class VectorChannel {
     std::array<Search, D> search_{};
     std::array<std::array<Step<1>, Window + 1>, D> steps_{};
     std::array<std::size_t, D> step_count_{};
-    std::array<std::uint8_t, Window + 2> ticks_{};
     std::array<curve::State<1>, D> state_{};  // where the window began; v is its origin
     Segment segment_{};
     Extent whole_{};  // of a frame that was given up

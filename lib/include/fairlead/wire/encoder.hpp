@@ -30,7 +30,7 @@ namespace fairlead::wire {
 
 /// Sizes of a search (reduce/beam.hpp): wider costs work and memory, and saves bytes.
 using Small = reduce::Beam<2, 24>;
-using Medium = reduce::Beam<3, 32>;
+using Medium = reduce::Beam<3, 24>;
 using Large = reduce::Beam<8, 64, 2>;
 
 /// A channel of D numbers, each within its tolerance by itself.

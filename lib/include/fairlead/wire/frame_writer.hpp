@@ -46,7 +46,7 @@ class FrameWriter {
     bool rotates() const noexcept { return layout_.channel[place().channel].rotates; }
     template <std::size_t N>
     bool piece(curve::Piece<N>& p) noexcept {
-        return coder_.piece(io_, layout_, states, p.code, p.subs, p.k.data()) && io_.ok();
+        return piece(p.code, p.subs, p.k.data());
     }
     /// Seals the frame. @return its size; 0: it did not fit into a frame.
     std::size_t close() noexcept {
@@ -71,6 +71,12 @@ class FrameWriter {
     Places<Axes, Rotations> first{};
 
   private:
+    /// One code for axes and rotations.
+    [[gnu::noinline]] bool piece(std::uint8_t& code, std::uint16_t& subs,
+                                 std::int32_t* k) noexcept {
+        return coder_.piece(io_, layout_, states, code, subs, k) && io_.ok();
+    }
+
     Layout layout_{};
     FrameTiming timing_{};
     Link link_{};
