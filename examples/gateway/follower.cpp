@@ -25,13 +25,24 @@ std::uint32_t new_epoch() noexcept {
     return epoch == 0 ? 1 : epoch;
 }
 
-const CurveSpan* OpenCurve::covering(std::int64_t t_ns) const noexcept {
+const CurveSpan* ChannelSpans::covering(std::int64_t t_ns) const noexcept {
     for (std::size_t i = spans_.size(); i-- > 0;)
         if (spans_[i].covers(t_ns)) return &spans_[i];
     return nullptr;
 }
 
-void OpenCurve::clear() noexcept {
+bool ChannelSpans::next(const curve::Grid& grid, std::uint32_t joins, CurveSpan& span) noexcept {
+    if (!maker_.next(grid, span)) return false;
+    if (span.begins) {
+        in_gap_ = has_any() && joins_ == joins;
+        joins_ = joins;
+    }
+    if (spans_.full()) spans_.pop();
+    spans_.push(span);
+    return true;
+}
+
+void ChannelSpans::clear() noexcept {
     maker_.clear();
     spans_.clear();
     joins_ = 0;
@@ -68,10 +79,13 @@ void CurveFollower::tell_health() noexcept {
 }
 
 void CurveFollower::follow() noexcept {
-    if (run_index_ != 0 && decoder_.run_index() != run_index_) restart();  // the clock began anew
-    run_index_ = decoder_.run_index();
-    for (wire::CurvePiece piece; decoder_.next(piece);)
-        (piece.rotates ? orientation_ : position_).maker_.take(piece);
+    const auto new_run = [this](bool first) noexcept {
+        if (!first) restart();  // the clock began anew
+    };
+    const auto take = [this](const wire::CurvePiece& piece) noexcept {
+        (piece.rotates ? orientation_ : position_).take(piece);
+    };
+    follow_(decoder_, new_run, take);
     append(orientation_);
     append(position_);
     Event event;
@@ -84,16 +98,10 @@ void CurveFollower::follow() noexcept {
         static_cast<std::uint32_t>(received_ - decoder_.frame_counters().good_bytes);
 }
 
-void CurveFollower::append(OpenCurve& curve) noexcept {
+void CurveFollower::append(ChannelSpans& channel) noexcept {
     const std::uint32_t joins = decoder_.frame_counters().joins;
-    for (CurveSpan span; curve.maker_.next(decoder_.grid(), span);) {
-        if (span.begins) {
-            curve.in_gap_ = curve.has_any() && curve.joins_ == joins;
-            if (curve.in_gap_) ++state_.gaps;
-            curve.joins_ = joins;
-        }
-        if (curve.spans_.full()) curve.spans_.pop();
-        curve.spans_.push(span);
+    for (CurveSpan span; channel.next(decoder_.grid(), joins, span);) {
+        if (span.begins && channel.in_gap()) ++state_.gaps;
         send({span, SpanKind::append, state_.epoch});
     }
 }
@@ -117,15 +125,15 @@ void CurveFollower::send(const SpanItem& item) noexcept {
 }
 
 void CurveFollower::evaluate() noexcept {
-    const auto end = [](const OpenCurve& c) {
+    const auto end = [](const ChannelSpans& c) {
         return c.has_any() ? c.newest().t1_ns() : INT64_MIN;
     };
     const std::int64_t newest = std::max(end(orientation_), end(position_));
     if (newest == INT64_MIN) return;
     std::int64_t t_ns = newest;
-    for (const OpenCurve* curve : {&orientation_, &position_}) {
-        if (curve->has_any() && newest - end(*curve) < channel_gone_ns) {
-            t_ns = std::min(t_ns, end(*curve));
+    for (const ChannelSpans* channel : {&orientation_, &position_}) {
+        if (channel->has_any() && newest - end(*channel) < channel_gone_ns) {
+            t_ns = std::min(t_ns, end(*channel));
         }
     }
     constexpr unsigned validity =
@@ -136,13 +144,13 @@ void CurveFollower::evaluate() noexcept {
         state_.q_wb = port::curve::orientation(*span, t_ns);
         state_.rate_rad_s = port::curve::rate_rad_s(*span, t_ns);
         state_.status |= status_bit::valid_orientation;
-        if (orientation_.in_gap_) state_.status |= status_bit::gap;
+        if (orientation_.in_gap()) state_.status |= status_bit::gap;
     }
     if (const CurveSpan* span = position_.covering(t_ns)) {
         state_.p_w_m = port::curve::position(*span, t_ns);
         state_.v_w_m_s = port::curve::velocity_m_s(*span, t_ns);
         state_.status |= status_bit::valid_position;
-        if (position_.in_gap_) state_.status |= status_bit::gap;
+        if (position_.in_gap()) state_.status |= status_bit::gap;
     }
 }
 

@@ -9,6 +9,7 @@
 #include "examples/gateway/span_maker.hpp"
 #include "fairlead/base/ring.hpp"
 #include "fairlead/wire/decoder.hpp"
+#include "fairlead/wire/follow.hpp"
 
 namespace fairlead::gateway {
 
@@ -16,20 +17,28 @@ namespace fairlead::gateway {
 std::uint32_t new_epoch() noexcept;
 
 /// One channel: how its pieces become spans, and the newest of these, for the live pose.
-class OpenCurve {
+class ChannelSpans {
   public:
-    explicit OpenCurve(port::CurveChannel channel) noexcept : maker_{channel} {}
+    explicit ChannelSpans(port::CurveChannel channel) noexcept : maker_{channel} {}
+
+    void take(const wire::CurvePiece& piece) noexcept { maker_.take(piece); }
+    /// The next span that the pieces complete. joins: of the decoder, how often it came into step.
+    /// @return false: none is complete.
+    bool next(const curve::Grid& grid, std::uint32_t joins, port::CurveSpan& span) noexcept;
+    void clear() noexcept;
 
     bool has_any() const noexcept { return !spans_.empty(); }
     const port::CurveSpan& newest() const noexcept { return spans_.newest(); }
     /// The span that holds at t, newest first; null when none does.
     const port::CurveSpan* covering(std::int64_t t_ns) const noexcept;
-    void clear() noexcept;
+    /// The newest curve began after a gap in the motion.
+    bool in_gap() const noexcept { return in_gap_; }
 
+  private:
     SpanMaker maker_;
     Ring<port::CurveSpan, 64> spans_{};
     std::uint32_t joins_{};  // of the decoder, when the newest curve began
-    bool in_gap_{};          // it began after a gap in the motion
+    bool in_gap_{};
 };
 
 class CurveFollower {
@@ -56,17 +65,17 @@ class CurveFollower {
   private:
     void follow() noexcept;
     void tell_health() noexcept;
-    void append(OpenCurve& curve) noexcept;
+    void append(ChannelSpans& channel) noexcept;
     void send(const SpanItem& item) noexcept;
 
     UnitFeed& feed_;
     UnitState& state_;
     WhenFull when_full_;
     Stream decoder_{};
-    OpenCurve orientation_{port::CurveChannel::orientation};
-    OpenCurve position_{port::CurveChannel::position};
+    wire::PieceFollower follow_{};
+    ChannelSpans orientation_{port::CurveChannel::orientation};
+    ChannelSpans position_{port::CurveChannel::position};
     std::uint64_t received_{0};
-    std::uint32_t run_index_{0};
 };
 
 }  // namespace fairlead::gateway

@@ -62,9 +62,8 @@ const CurveTrack::Piece* CurveTrack::at(std::int64_t t_ns) const {
     const auto ends_before = [](const Piece& p, std::int64_t t) { return p.end_ns < t; };
     const auto found = std::lower_bound(pieces_.begin(), pieces_.end(), t_ns, ends_before);
     if (found == pieces_.end()) return nullptr;
-    // a piece holds behind its start, the first one of a curve also at its start
-    const bool holds = found->of.begins ? found->start_ns <= t_ns : found->start_ns < t_ns;
-    return holds ? &*found : nullptr;
+    return wire::holds_at(found->of.begins, found->start_ns, found->end_ns, t_ns) ? &*found
+                                                                                  : nullptr;
 }
 
 std::size_t CurveTrack::curves() const {
@@ -206,40 +205,40 @@ StreamBytes stream_bytes(std::string_view stream) {
 
 // ---- the store
 
-CurveRun& CurveStore::present_run() {
-    const std::uint32_t index = decoder_.run_index();
-    if (runs_.back().channels.empty() || runs_.back().index != index) {
-        if (!runs_.back().channels.empty()) runs_.emplace_back();
-        CurveRun& run = runs_.back();
-        run.index = index;
-        run.number = decoder_.run();
-        run.tick_ns = decoder_.grid().tick_ns();
-        const Decoder::Layout& layout = decoder_.layout();
-        for (std::size_t c = 0; c < layout.channels; ++c) {
-            const wire::TrackRange& range = layout.channel[c];
-            CurveChannel channel;
-            channel.rotates = range.rotates;
-            double step = 0;  // the largest: axes may have their own
-            for (std::size_t i = 0; i < range.count; ++i)
-                step = std::max(step, layout.scale_of(range, i).step());
-            channel.tolerance = static_cast<double>(decoder_.tolerance_steps(c)) * step;
-            channel.tracks.resize(range.count);
-            run.channels.push_back(std::move(channel));
-        }
+void CurveStore::begin_run() {
+    if (!runs_.back().channels.empty()) runs_.emplace_back();
+    CurveRun& run = runs_.back();
+    run.index = decoder_.run_index();
+    run.number = decoder_.run();
+    run.tick_ns = decoder_.grid().tick_ns();
+    const Decoder::Layout& layout = decoder_.layout();
+    for (std::size_t c = 0; c < layout.channels; ++c) {
+        const wire::TrackRange& range = layout.channel[c];
+        CurveChannel channel;
+        channel.rotates = range.rotates;
+        double step = 0;  // the largest: axes may have their own
+        for (std::size_t i = 0; i < range.count; ++i)
+            step = std::max(step, layout.scale_of(range, i).step());
+        channel.tolerance = static_cast<double>(decoder_.tolerance_steps(c)) * step;
+        channel.tracks.resize(range.count);
+        run.channels.push_back(std::move(channel));
     }
-    return runs_.back();
 }
 
 void CurveStore::take_frame() {
-    wire::CurvePiece piece;
     std::size_t before = decoder_.payload_read();
-    while (decoder_.next(piece)) {
-        present_run().channels.at(piece.channel).tracks.at(piece.axis).add(piece, decoder_.grid());
+    const auto keep = [&](const wire::CurvePiece& piece) {
+        if (run_begins_) begin_run();
+        run_begins_ = false;
+        CurveChannel& channel = runs_.back().channels.at(piece.channel);
+        channel.tracks.at(piece.axis).add(piece, decoder_.grid());
         const std::size_t now = decoder_.payload_read();
         if (piece_bytes_.size() <= piece.channel) piece_bytes_.resize(piece.channel + 1u);
         piece_bytes_[piece.channel] += now - before;
         before = now;
-    }
+    };
+    follow_(
+        decoder_, [this](bool) { run_begins_ = true; }, keep);
     Event event;
     while (decoder_.next_event(event)) events_.push_back(event);
 }

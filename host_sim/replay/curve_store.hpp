@@ -11,6 +11,7 @@
 #include "fairlead/base/types.hpp"
 #include "fairlead/curve/grid.hpp"
 #include "fairlead/wire/decoder.hpp"
+#include "fairlead/wire/follow.hpp"
 
 namespace fairlead::sim {
 
@@ -138,10 +139,12 @@ class CurveStore {
   private:
     void take_frame();
     void note_damage();
-    CurveRun& present_run();
+    void begin_run();
     std::string why_empty() const;
 
     Decoder decoder_{};
+    wire::PieceFollower follow_{};
+    bool run_begins_{false};  // with the next piece
     std::vector<CurveRun> runs_{1};
     std::vector<Event> events_;
     std::vector<std::size_t> piece_bytes_;

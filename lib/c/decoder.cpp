@@ -18,7 +18,7 @@ static_assert(sizeof(HeldPiece) == sizeof(fairlead_piece::opaque) &&
 fairlead_axis_motion motion_of(const wire::AxisMotion<float>& motion) noexcept {
     return {motion.value, motion.velocity, motion.acceleration};
 }
-fairlead_rotation_motion motion_of(const wire::Turning<float>& turning) noexcept {
+fairlead_rotation_motion motion_of(const wire::OrientationMotion<float>& turning) noexcept {
     fairlead_rotation_motion out{};
     ToC copy;
     copy(out.q_wb, turning.q_wb);
@@ -105,7 +105,7 @@ fairlead_status fairlead_piece_rotation(const fairlead_piece* piece, int64_t t_n
     HeldPiece held;
     const fairlead_status status = take(piece, true, t_ns, motion, held);
     if (status != FAIRLEAD_OK) return status;
-    *motion = motion_of(wire::turning(held.piece, held.grid, t_ns));
+    *motion = motion_of(wire::orientation_motion(held.piece, held.grid, t_ns));
     return FAIRLEAD_OK;
 }
 

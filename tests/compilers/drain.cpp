@@ -109,7 +109,7 @@ struct Reader {
     }
     /// Angle between the curve and the sample: the sine of its half, twice.
     static double turn(const wire::CurvePiece& piece, const curve::Grid& grid, const Pose& pose) {
-        const auto told = wire::turning<double>(piece, grid, pose.t_ns).q_wb;
+        const auto told = wire::orientation_motion<double>(piece, grid, pose.t_ns).q_wb;
         const Quat& q = pose.q_wb;
         const BasicQuat<double> truth{static_cast<double>(q.w), static_cast<double>(q.x),
                                       static_cast<double>(q.y), static_cast<double>(q.z)};

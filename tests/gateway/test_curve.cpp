@@ -179,7 +179,7 @@ TEST(Curve, APollerOfOnceASecondHasTheDecodersCurve) {
                 ASSERT_NE(span, nullptr) << "track " << k << " time " << t;
                 ++compared;
                 if (k == 3) {
-                    const auto told = wire::turning<double>(piece, grid, t).q_wb;
+                    const auto told = wire::orientation_motion<double>(piece, grid, t).q_wb;
                     ASSERT_LT(apart(told, port::curve::orientation(*span, t)), 1.5e-6);
                     continue;
                 }

@@ -122,10 +122,10 @@ TEST(LiveDecoder, VelocitiesAreThoseOfTheCurve) {
                     EXPECT_NEAR(at.acceleration, (c - 2 * b + a) / (h * h), 2e-3);
                     continue;
                 }
-                const auto at = wire::turning(piece, grid, t);
-                const auto a = wire::turning<double>(piece, grid, t - h_ns).q_wb,
-                           b = wire::turning<double>(piece, grid, t).q_wb,
-                           c = wire::turning<double>(piece, grid, t + h_ns).q_wb;
+                const auto at = wire::orientation_motion(piece, grid, t);
+                const auto a = wire::orientation_motion<double>(piece, grid, t - h_ns).q_wb,
+                           b = wire::orientation_motion<double>(piece, grid, t).q_wb,
+                           c = wire::orientation_motion<double>(piece, grid, t + h_ns).q_wb;
                 const auto over = [](const BasicQuat<double>& from, const BasicQuat<double>& to,
                                      double s) { return (2 / s) * vec(conj(from) * to); };
                 const auto rate = over(a, c, 2 * h);

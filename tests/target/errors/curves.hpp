@@ -66,7 +66,7 @@ inline void compare(const Curves& curves, const Pose& pose, bool position, bool 
         all.kept = false;
         return;
     }
-    const auto q = wire::turning<double>(*piece, curves.grid(), pose.t_ns).q_wb;
+    const auto q = wire::orientation_motion<double>(*piece, curves.grid(), pose.t_ns).q_wb;
     const double angle = ref::angle(ref::unit({q.w, q.x, q.y, q.z}), ref::unit(ref::of(pose.q_wb)));
     all.kept = all.kept && angle <= tol_rad * 1.0001;  // the measuring angle rounds, too
     all.error.angle(angle);

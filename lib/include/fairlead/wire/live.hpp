@@ -16,6 +16,7 @@
 #include "fairlead/base/ring.hpp"
 #include "fairlead/math/rotation_rates.hpp"
 #include "fairlead/wire/decoder.hpp"
+#include "fairlead/wire/follow.hpp"
 
 namespace fairlead::wire {
 
@@ -26,12 +27,10 @@ constexpr Real ticks_after_start(const CurvePiece& piece, const curve::Grid& gri
     return static_cast<Real>(t_ns - grid.time_ns(piece.start)) / static_cast<Real>(grid.tick_ns());
 }
 
-/// Does the piece hold at this time? Behind its start up to its end, the first one of a curve also
-/// at its start.
+/// The same of a piece on its grid (follow.hpp).
 constexpr bool holds_at(const CurvePiece& piece, const curve::Grid& grid,
                         std::int64_t t_ns) noexcept {
-    const std::int64_t start = grid.time_ns(piece.start);
-    return t_ns <= grid.time_ns(piece.end) && (piece.begins ? t_ns >= start : t_ns > start);
+    return holds_at(piece.begins, grid.time_ns(piece.start), grid.time_ns(piece.end), t_ns);
 }
 
 /// One axis: value, and velocity and acceleration per second.
@@ -51,13 +50,13 @@ AxisMotion<Real> axis_motion(const CurvePiece& piece, const curve::Grid& grid,
 
 /// A rotation, and its angular velocity and acceleration in the body frame, rad/s and rad/s^2.
 template <class Real>
-struct Turning {
+struct OrientationMotion {
     BasicQuat<Real> q_wb{};
     RotationMotion<Real> rates{};
 };
 template <class Real = float>
-Turning<Real> turning(const CurvePiece& piece, const curve::Grid& grid,
-                      std::int64_t t_ns) noexcept {
+OrientationMotion<Real> orientation_motion(const CurvePiece& piece, const curve::Grid& grid,
+                                           std::int64_t t_ns) noexcept {
     const Real u = ticks_after_start<Real>(piece, grid, t_ns);
     const Real step = piece.scale.step<Real>();
     const Real per_s = static_cast<Real>(1e9) / static_cast<Real>(grid.tick_ns());
@@ -137,11 +136,11 @@ class LiveDecoder {
                       {x->velocity, y->velocity, z->velocity},
                       {x->acceleration, y->acceleration, z->acceleration}};
     }
-    std::optional<Turning<float>> orientation(std::int64_t t_ns) const noexcept {
+    std::optional<OrientationMotion<float>> orientation(std::int64_t t_ns) const noexcept {
         const auto channel = find(true);
         const auto* held = channel ? at(*channel, 0, true, t_ns) : nullptr;
         if (held == nullptr) return std::nullopt;
-        return turning(held->piece, held->grid, t_ns);
+        return orientation_motion(held->piece, held->grid, t_ns);
     }
     /// Position and orientation are final up to these times.
     std::optional<std::int64_t> position_until_ns() const noexcept { return until(find(false)); }
@@ -155,13 +154,13 @@ class LiveDecoder {
     using Track = LiveTrack<Pieces>;
 
     bool drain() noexcept {
-        if (decoder_.run_index() != run_index_)
+        const auto forget = [this](bool) noexcept {
             for (Track& track : tracks_) track.clear();
-        run_index_ = decoder_.run_index();
-        bool news = false;
-        for (CurvePiece piece; decoder_.next(piece); news = true)
+        };
+        const auto keep = [this](const CurvePiece& piece) noexcept {
             tracks_[place(piece.channel, piece.axis)].take(piece, decoder_.grid());
-        return news;
+        };
+        return follow_(decoder_, forget, keep);
     }
     /// Rotations stand behind the axes.
     std::size_t place(std::size_t channel, std::size_t axis) const noexcept {
@@ -197,7 +196,7 @@ class LiveDecoder {
 
     Stream decoder_{};
     std::array<Track, Axes + Rotations> tracks_{};
-    std::uint32_t run_index_{0};
+    PieceFollower follow_{};
 };
 
 }  // namespace fairlead::wire
