@@ -129,6 +129,15 @@ def test_all_goals_are_served_by_one_installation(folder):
         assert needed(target) <= asked, (target, asked)
 
 
+def test_a_core_of_the_c_library_brings_its_compiler(folder):
+    for name in ("host", "m4f", "rv32"):
+        (folder / name).mkdir()
+    host = asked_for(folder / "host", "c-library")
+    assert host and not host & {"gcc-arm-none-eabi", "gcc-riscv64-unknown-elf"}, host
+    assert asked_for(folder / "m4f", "c-library", "CORE=m4f") == host | set(packages_of("cortex-m"))
+    assert asked_for(folder / "rv32", "c-library", "CORE=rv32imac") == host | set(packages_of("risc-v"))
+
+
 def test_it_says_what_will_come_and_how_much(folder):
     machine = fakes.Machine(folder)
     code, said = machine.run(".ci/setup", "sim", cwd=ROOT)
