@@ -354,7 +354,7 @@ dist: ## [script] make the release archives in build/dist (PROJECT_URL: the page
 deb: gateway record sim live ## [deb] build the Debian package of the programs, and check it with lintian
 	@examples/gateway/deb/build $(BUILD)
 	@lintian --fail-on error $(BUILD)/fairlead_*.deb
-deb-check: deb ## [deb fresh] install the Debian package in a bare Debian, run it, remove it: nothing may stay (minutes)
+deb-check: deb ## [fresh] install the Debian package in a bare Debian, run it, remove it: nothing may stay (minutes)
 	@examples/gateway/deb/check $(BUILD)/fairlead_*.deb
 test-packages: ## [packages] make the archives, unpack each, and use it as its ecosystem does
 	@/usr/bin/python3 tests/packages/check.py
