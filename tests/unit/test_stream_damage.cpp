@@ -140,6 +140,21 @@ TEST(StreamDamage, HeadsThatEndTogetherHideNothingForLong) {
     EXPECT_EQ(reader.frame_end(), source.writer().link().end);
 }
 
+TEST(StreamDamage, TheChecksumGoesBothWays) {
+    // docs/stream.md; and bit by bit
+    const std::uint8_t digits[] = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
+    EXPECT_EQ(crc16(digits, sizeof digits, 0xffff), 0x29b1);
+    for (unsigned crc = 0; crc < 0x10000u; crc += 7)
+        for (unsigned byte = 0; byte < 256; byte += 3) {
+            unsigned slow = crc ^ byte << 8;
+            for (int bit = 0; bit < 8; ++bit) slow = slow << 1 ^ ((slow & 0x8000u) ? 0x1021u : 0u);
+            slow &= 0xffffu;
+            const auto b = static_cast<std::uint8_t>(byte);
+            ASSERT_EQ(crc16(b, static_cast<std::uint16_t>(crc)), slow);
+            ASSERT_EQ(crc16_before(b, static_cast<std::uint16_t>(slow)), crc);
+        }
+}
+
 TEST(StreamDamage, CutAtEveryByte) {
     RandomStream source{{}, 9};
     ByteVector bytes = source.header(true);

@@ -17,9 +17,10 @@ inline constexpr std::int32_t fine = 1 << fine_bits;
 /// Largest |value| that an intake may let through, in steps.
 inline constexpr std::int32_t value_steps_max = 1 << 24;
 
+/// Not valid until it is set: zeros cost a decoder no code.
 struct Scale {
-    std::uint16_t m{256};  // 256 to 511
-    std::int16_t e{-8};    // -100 to 60
+    std::uint16_t m{0};  // 256 to 511
+    std::int16_t e{0};   // -100 to 60
 
     /// The largest step of this form that is at most `step`; step in [1e-27, 1e20], else clamped.
     static constexpr Scale of_step(float step) noexcept {
@@ -46,7 +47,7 @@ struct Scale {
     constexpr double value(double v) const noexcept { return v * step(); }
 
     /// p in 1/1024 steps, rounded to nearest, from p's bits by integers: exact far from the origin.
-    /// p must be finite; |p| beyond value_steps_max steps is clamped there.
+    /// The scale must be valid, p finite; |p| beyond value_steps_max steps is clamped there.
     std::int64_t to_fine(float p) const noexcept {
         std::uint32_t bits;
         std::memcpy(&bits, &p, sizeof bits);

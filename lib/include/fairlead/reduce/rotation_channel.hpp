@@ -643,7 +643,7 @@ class RotationChannel {
     Cursor cursor_{};
     Check check_{};
     std::uint32_t failures_{0};
-    curve::Scale scale_{};
+    curve::Scale scale_{256, -8};
     float step_{1}, radius_{}, full_radius_{}, check_radius_{};
     curve::Moment newest_{};
     std::int32_t start_tick_{0}, frame_tick_{0}, column_tick_{0}, end_tick_{0};

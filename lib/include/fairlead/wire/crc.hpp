@@ -1,7 +1,6 @@
 #pragma once
-// CRC-16/CCITT (x^16 + x^12 + x^5 + 1), a nibble at a time: finds every error burst of up to 16
-// bits.
-#include <array>
+// CRC-16/CCITT (x^16 + x^12 + x^5 + 1), a byte at a time, without a table: finds every error burst
+// of up to 16 bits.
 #include <cstddef>
 #include <cstdint>
 
@@ -9,29 +8,19 @@
 
 namespace fairlead {
 
-/// Of four bits each. Not in the function, where compilers copy it to the stack in every call.
-inline constexpr std::array<std::uint16_t, 16> crc16_table{
-    0x0000, 0x1021, 0x2042, 0x3063, 0x4084, 0x50a5, 0x60c6, 0x70e7,
-    0x8108, 0x9129, 0xa14a, 0xb16b, 0xc18c, 0xd1ad, 0xe1ce, 0xf1ef};
-
-/// The register after one more byte.
+/// The register after one more byte. Eight bits t leave it and come back as t (z^12 + z^5 + 1);
+/// what of t z^12 leaves again is t >> 4, so that it is added to t first.
 constexpr std::uint16_t crc16(std::uint8_t byte, std::uint16_t seed) noexcept {
-    unsigned crc = seed;
-    crc = ((crc << 4) ^ crc16_table[((crc >> 12) ^ (byte >> 4)) & 15u]) & 0xffffu;
-    crc = ((crc << 4) ^ crc16_table[((crc >> 12) ^ byte) & 15u]) & 0xffffu;
-    return static_cast<std::uint16_t>(crc);
+    unsigned t = unsigned{seed} >> 8 ^ byte;
+    t ^= t >> 4;
+    return static_cast<std::uint16_t>(unsigned{seed} << 8 ^ t << 12 ^ t << 5 ^ t);
 }
-
-/// The register before this byte, from the one after it.
+/// The register before this byte, from the one after it: the same backwards. The low byte after is
+/// that of t ^ t << 5, which gives t.
 constexpr std::uint16_t crc16_before(std::uint8_t byte, std::uint16_t after) noexcept {
-    // a step forward maps the top nibble t to table[t]; the low nibble of table[t] is t, so a step
-    // back knows t
-    unsigned crc = after;
-    for (unsigned shift = 0; shift <= 4; shift += 4) {
-        const unsigned t = crc & 15u;
-        crc = ((crc ^ crc16_table[t]) >> 4) | ((t ^ (byte >> shift & 15u)) << 12);
-    }
-    return static_cast<std::uint16_t>(crc);
+    const unsigned y = after & 0xffu, t = (y ^ y << 5) & 0xffu;
+    const unsigned low = unsigned{after} >> 8 ^ t << 4 ^ t >> 3, high = t ^ t >> 4 ^ byte;
+    return static_cast<std::uint16_t>(high << 8 | (low & 0xffu));
 }
 
 constexpr std::uint16_t crc16(const std::uint8_t* data, std::size_t size,

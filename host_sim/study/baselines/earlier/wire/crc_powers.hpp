@@ -14,6 +14,11 @@
 
 namespace fairlead::earlier::wire {
 
+/// What four bits become that leave the register.
+inline constexpr std::array<std::uint16_t, 16> crc16_table{
+    0x0000, 0x1021, 0x2042, 0x3063, 0x4084, 0x50a5, 0x60c6, 0x70e7,
+    0x8108, 0x9129, 0xa14a, 0xb16b, 0xc18c, 0xd1ad, 0xe1ce, 0xf1ef};
+
 /// The product of two registers, four bits at a time.
 constexpr std::uint16_t crc16_product(std::uint16_t a, std::uint16_t b) noexcept {
     unsigned product = 0;
