@@ -14,6 +14,7 @@ import time
 from simulator import PROGRAM, ROOT, main, must
 
 SILENT_SHARE, SILENT_S = 0.45, 0.45  # a stage without a line is longer than both
+TRIES = 3  # a machine that is busy with other things may stop any program for a while, but not at the same place
 LINE = re.compile(rb"\x1b\[K([a-z ,]+): (?: *\d+ %, )?[\d.]+( [kM])? [a-z]+/s(, [\d hmins]+ left)?")
 
 
@@ -68,10 +69,13 @@ def commands(folder):
 
 def test_every_stage_is_shown_on_a_terminal(folder):
     for stages, arguments in commands(folder):
-        code, shown, silence, seconds = on_terminal(*arguments)
-        assert code == 0, arguments
-        assert stages <= set(shown), (stages - set(shown), arguments)
-        assert silence < max(SILENT_SHARE * seconds, SILENT_S), f"{silence:.2f} of {seconds:.2f} s: {arguments}"
+        for attempt in range(TRIES):
+            code, shown, silence, seconds = on_terminal(*arguments)
+            assert code == 0, arguments
+            assert stages <= set(shown), (stages - set(shown), arguments)
+            if silence < max(SILENT_SHARE * seconds, SILENT_S):
+                break
+            assert attempt + 1 < TRIES, f"{silence:.2f} of {seconds:.2f} s: {arguments}"
         print(f"{seconds:5.2f} s, silent for {silence:4.2f} s at most: {arguments[0]}: {', '.join(dict.fromkeys(shown))}")
 
 
