@@ -10,7 +10,8 @@ namespace fairlead::sim {
 /// Names of all parameters, in the order of AttitudeParams.
 std::vector<std::string> attitude_setting_names();
 
-/// Applies `name=value` items. Throws BadSpec for an unknown name or a value that is no number.
+/// Applies `name=value` items. Throws BadSpec for an unknown name, or a value that
+/// is no number or out of its range.
 void apply_settings(AttitudeParams& params, const std::vector<std::string>& items);
 
 }  // namespace fairlead::sim

@@ -151,7 +151,7 @@ TEST_P(AttitudeDelivery, NoisyAndCoarseSensorsServeWorseButServe) {
         const Found f = run(w, 15, 60);
         EXPECT_LT(f.inclination, 4.0);
         EXPECT_LT(f.heading, 4.0);
-        EXPECT_LT(f.settled_s, 6);
+        EXPECT_LT(f.settled_s, 8);  // where noise hides the rest, prove_s must pass
         EXPECT_LT(f.inclination_e2_s2, 2);
     }
     const Found f = run(quiet, 16, 40);  // numbers that repeat at rest are no dead axes

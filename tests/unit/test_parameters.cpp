@@ -2,6 +2,7 @@
 // and every row a field.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -11,7 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "fairlead/sense/attitude_params.hpp"
 #include "fairlead/sense/intake_params.hpp"
+#include "fairlead/smooth/adaptive.hpp"
+#include "fairlead/smooth/fairing.hpp"
+#include "fairlead/smooth/strain_weight.hpp"
 #include "fairlead/stream_params.hpp"
 
 namespace {
@@ -100,23 +105,27 @@ TEST(Parameters, ThePageOfTypesHasEveryFlag) {
     EXPECT_EQ(found, 19);
 }
 
-TEST(Parameters, AreCheckedOneByOne) {
-    // each field beyond either end of its range is the one that is named
-    IntakeParams params;
+/// Each field beyond either end of its range is the one that is named; how many there are.
+template <class Params>
+std::size_t refuse_each(Params params) {
+    EXPECT_TRUE(check(params));
     std::set<std::string> named;
-    IntakeParams::each(params, [&](const char* name, auto& value, auto least, auto greatest) {
+    Params::each(params, [&](const char* name, auto& value, auto least, auto greatest) {
         const auto good = value;
         const auto refused = [&] {
-            const Check found = detail::check_ranges(params);
+            const Check found = check(params);
             EXPECT_FALSE(found);
+            EXPECT_EQ(found.status, Status::bad_argument);
             EXPECT_STREQ(found.field, name);
         };
         using Number = std::remove_reference_t<decltype(value)>;
         if constexpr (std::is_floating_point_v<Number>) {
             value = least - 1;
             refused();
-            value = greatest * 1.1f;
-            refused();
+            if (std::isfinite(greatest)) {
+                value = greatest * 1.1f;
+                refused();
+            }
             value = std::numeric_limits<Number>::quiet_NaN();
             refused();
         } else {
@@ -136,7 +145,19 @@ TEST(Parameters, AreCheckedOneByOne) {
         value = good;
         named.insert(name);
     });
-    EXPECT_EQ(named.size(), 9u);
+    return named.size();
 }
+
+TEST(Parameters, AreCheckedOneByOne) {
+    EXPECT_EQ(refuse_each(IntakeParams{}), 9u);
+    EXPECT_EQ(refuse_each(AttitudeParams{}), sizeof(AttitudeParams) / sizeof(float));
+    EXPECT_EQ(refuse_each(AdaptiveParams{}), 2u);
+    EXPECT_EQ(refuse_each(FairingParams{}), 4u);
+    EXPECT_EQ(refuse_each(*StrainParams::from_cutoff(5, 0.01f)), 1u);
+}
+
+// A board can ask them when it is compiled.
+static_assert(check(AttitudeParams{}) && check(AdaptiveParams{}) && check(FairingParams{}));
+static_assert(check(StrainParams{}));
 
 }  // namespace

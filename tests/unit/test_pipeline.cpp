@@ -224,7 +224,7 @@ TEST(Pipeline, RefusesAnAttitudeOrACalibrationThatCannotWork) {
     Chain<ImuBoard>::Params params;
     EXPECT_TRUE(Chain<ImuBoard>::check(params));
     params.attitude.step_s = 0;
-    EXPECT_STREQ(Chain<ImuBoard>::check(params).field, "attitude");
+    EXPECT_STREQ(Chain<ImuBoard>::check(params).field, "step_s");
     params.attitude = {};
     params.calibration.mag.matrix.z.y = nan_f;
     EXPECT_STREQ(Chain<ImuBoard>::check(params).field, "calibration");

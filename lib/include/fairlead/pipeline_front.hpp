@@ -43,9 +43,7 @@ class Front<Imu<mode>> {
         const Calibration& c = params.calibration;
         if (!finite(c.gyro) || !finite(c.accel) || !finite(c.mag) || !is_finite(c.q_bs))
             return {Status::bad_argument, "calibration"};
-        if (fairlead::check(params.attitude) != Status::ok)
-            return {Status::bad_argument, "attitude"};
-        return {};
+        return fairlead::check(params.attitude);
     }
 
     explicit Front(const Params& params) noexcept

@@ -18,7 +18,8 @@ struct Check {
 
 namespace detail {
 
-/// Finds the first field outside its range. A float that is not finite is outside of every range.
+/// Finds the first field outside its range. NaN is outside of every range, and infinity of each
+/// that does not end there.
 class FirstRefused {
   public:
     template <class T>

@@ -37,7 +37,7 @@ class BasicAttitude {
 
     /// params must pass check(): asserted.
     explicit BasicAttitude(const AttitudeParams& params = {}) noexcept : params_{params} {
-        FAIRLEAD_ASSERT(check(params) == Status::ok);
+        FAIRLEAD_ASSERT(check(params));
         constexpr float longest_s = 2.0f;  // a step in ns fits 32 bits
         gap_ns_max_ = static_cast<std::int32_t>((std::min)(params.gap_s_max, longest_s) * 1e9f);
         reset();
@@ -150,10 +150,13 @@ class BasicAttitude {
     }
     Real heading_variance() const noexcept { return s_.covariance(State::heading, State::heading); }
 
-    /// Motion beyond what the filter can adapt to: of the whole inclination.
+    /// Motion beyond what the filter can adapt to: of the whole inclination. What is slow now
+    /// counts at once, before its mean square has grown.
     Real motion_variance() const noexcept {
+        const auto& v = s_.slow_velocity_m_s;
         const auto tilt = static_cast<Real>(params_.restless_tilt);
-        return tilt * tilt * (std::max)(s_.restless2 - 1, Real{0});
+        const Real now2 = (v[0] * v[0] + v[1] * v[1]) / 2;
+        return tilt * tilt * (std::max)((std::max)(s_.restless2, now2) - 1, Real{0});
     }
 
     /// The noise that the filter assumes is cautious; params.sigma_scale makes its report honest.
@@ -202,7 +205,10 @@ class BasicAttitude {
         const bool blind = doubt_gyro(sample, dt);
         const Vector gyro = widen(sample.gyro_rad_s), read = widen(sample.accel_m_s2);
         if (thaws(s_.alive, read)) Kalman::doubt_inclination(s_);
-        count_repeats(s_.alive, gyro, read);
+        // frozen? until it speaks again
+        if (count_repeats(s_.alive, gyro, read) && s_.rest.quiet_s <= 0 &&
+            s_.alive.held * s_.period_s > static_cast<Real>(params_.held_s))
+            Kalman::doubt_inclination(s_);
         const bool usable_accel =
             has_accel && !accel_clipped(sample) && !s_.alive.accel_dead && !is_zero(read);
         const Vector accel = usable_accel ? read : s_.rest.accel;
@@ -274,7 +280,8 @@ class BasicAttitude {
         if (s_.doubted && s_.force_s >= static_cast<Real>(params_.verify_s) &&
             !Kalman::force_is_off(s_, params_.force_tilt))
             s_.doubted = false;
-        settled = settled && !s_.doubted && !Kalman::force_is_off(s_, params_.force_tilt);
+        const bool proven = is_proven();
+        settled = settled && !s_.doubted && proven;
         if (!settled) flags |= flag::settling;
         s_.flags = static_cast<std::uint16_t>(flags);
         s_.tilted_s =
@@ -289,6 +296,26 @@ class BasicAttitude {
                 s_.field.count = 0;
             }
         }
+    }
+
+    /// Nothing contradicts the inclination, and after a start in motion nothing has for prove_s:
+    /// a vehicle in a bend, or a drone, shows its acceleration as gravity until it changes. Asked
+    /// once a Kalman step.
+    bool is_proven() noexcept {
+        const auto& c = s_.corrected;
+        const auto most = static_cast<Real>(params_.corrected_max);
+        const bool good = c[0] * c[0] + c[1] * c[1] <= most * most &&
+                          !Kalman::force_is_off(s_, params_.force_tilt);
+        if (s_.unproven_ms == 0) return good;
+        constexpr Real ms = 1000;
+        const auto step_ms = static_cast<std::uint16_t>(ms * (std::min)(s_.means.time, Real{1}));
+        if (resting() || s_.unproven_ms <= step_ms)
+            s_.unproven_ms = 0;
+        else
+            s_.unproven_ms = static_cast<std::uint16_t>(s_.unproven_ms - step_ms);
+        if (!good)
+            s_.unproven_ms = static_cast<std::uint16_t>(ms * static_cast<Real>(params_.prove_s));
+        return good && s_.unproven_ms == 0;
     }
 
     /// Do the accelerometer's readings say that the inclination is wrong?

@@ -25,28 +25,57 @@ constexpr bool is_zero(const BasicVec3<Real>& v) noexcept {
     return same_vector(v, BasicVec3<Real>{});
 }
 
+/// Is it a longer run of repetitions than usual? A stream that holds each reading for some samples
+/// does so always: its habit is learned from the gyro.
+template <class Real>
+constexpr bool is_long(const AliveState<Real>& s, int runs) noexcept {
+    constexpr int beyond16 = 40;  // two and a half more than usual
+    return 16 * runs > s.usual_held16 + beyond16;
+}
+
 /// Does an accelerometer that has been frozen speak again, and of something else?
 template <class Real>
 inline bool thaws(const AliveState<Real>& s, const BasicVec3<Real>& accel) noexcept {
     constexpr Real other2 = 4;  // (m/s^2)^2
-    if (s.accel_runs < 3) return false;
+    if (s.accel_runs == 0 || !is_long(s, s.accel_runs)) return false;
     const BasicVec3<Real> step = accel - s.accel;
     return dot(step, step) > other2;
 }
 
-/// Every sample: how often each gyro axis and the accelerometer have repeated themselves.
+/// Has the whole gyro repeated its reading more often than it uses to?
 template <class Real>
-inline void count_repeats(AliveState<Real>& s, const BasicVec3<Real>& gyro,
+inline bool is_held(AliveState<Real>& s, bool repeats) noexcept {
+    if (repeats) {
+        if (s.held < 0xFF) ++s.held;
+        return is_long(s, s.held);
+    }
+    constexpr int most = 15;
+    if ((s.held | s.usual_held16) != 0) {
+        const int usual = s.usual_held16, run = (std::min)(+s.held, most);
+        s.usual_held16 = static_cast<std::uint8_t>(usual + run - (usual + 15) / 16);
+        s.held = 0;
+    }
+    return false;
+}
+
+/// Every sample: how often each gyro axis and the accelerometer have repeated themselves. True
+/// where the gyro may have frozen: a board in motion is then not where it seems to be.
+template <class Real>
+inline bool count_repeats(AliveState<Real>& s, const BasicVec3<Real>& gyro,
                           const BasicVec3<Real>& accel) noexcept {
     const auto run = [](bool same, std::uint16_t n) {
         return static_cast<std::uint16_t>(!same ? 0 : n < 0xFFFF ? n + 1 : n);
     };
-    s.gyro_runs = {run(approx::same(gyro.x, s.gyro.x), s.gyro_runs[0]),
-                   run(approx::same(gyro.y, s.gyro.y), s.gyro_runs[1]),
-                   run(approx::same(gyro.z, s.gyro.z), s.gyro_runs[2])};
+    const bool x = approx::same(gyro.x, s.gyro.x), y = approx::same(gyro.y, s.gyro.y),
+               z = approx::same(gyro.z, s.gyro.z);
+    if (x || y || z)
+        s.gyro_runs = {run(x, s.gyro_runs[0]), run(y, s.gyro_runs[1]), run(z, s.gyro_runs[2])};
+    else
+        s.gyro_runs = {};  // nearly always
     s.accel_runs = run(same_vector(accel, s.accel), s.accel_runs);
     s.gyro = gyro;
     s.accel = accel;
+    return is_held(s, x && y && z);
 }
 
 /// Once a Kalman step: which of them contradict the others.

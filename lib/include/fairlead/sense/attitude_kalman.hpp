@@ -118,7 +118,9 @@ class KalmanStep {
         s.drive.fresh = true;
         doubt_inclination(s);
         s.doubted = false;
-        s.slow_velocity_m_s = {};
+        s.slow_velocity_m_s = s.corrected = {};
+        constexpr float ms = 1000;
+        s.unproven_ms = static_cast<std::uint16_t>(ms * params.prove_s);
     }
 
     /// Takes over the window's sums; the first part of the covariance's way through the window.
@@ -129,7 +131,7 @@ class KalmanStep {
         m.rate = (1 / w.time) * w.turn;
         watch_force(s, params);
         take_drive(s, params);
-        m.velocity = s.velocity_from_m_s = s.velocity_m_s;
+        s.velocity_from_m_s = s.velocity_m_s;
         m.middle = s.q_wb * turn_quat(real(-0.5f) * w.turn, dot(w.turn, w.turn) / 4);
         if constexpr (has_field) close_field(s.field);
         watch_rest(s, params);
@@ -217,6 +219,19 @@ class KalmanStep {
     static Real bias_variance(const Covariance<Real, State::size>& p) noexcept {
         return p(State::bias, State::bias) + p(State::bias + 1, State::bias + 1) +
                p(State::bias + 2, State::bias + 2);
+    }
+
+    /// Of the tilt, over corrected_s, once it is known: what lasts draws it one way.
+    static void sum_corrections(State& s, const Params& params) noexcept {
+        const auto& p = s.covariance;
+        if (p(State::tilt, State::tilt) + p(State::tilt + 1, State::tilt + 1) >
+            squared(params.settled_tilt)) {
+            s.corrected = {};
+            return;
+        }
+        const Real kept = 1 - (std::min)(s.means.time / real(params.corrected_s), Real{1});
+        for (std::size_t i = 0; i < 2; ++i)
+            s.corrected[i] = kept * s.corrected[i] + s.correction[State::tilt + i];
     }
 
     /// Corrections of a bias that only wanders are white. Where they keep their sign it drifts.
@@ -329,21 +344,21 @@ class KalmanStep {
 
     static void measure_velocity(State& s, const Params& params, std::size_t axis) noexcept {
         if (s.drive.known) {
-            measure(s, State::velocity + axis, s.means.driven[axis] - s.means.velocity[axis],
+            measure(s, State::velocity + axis, s.means.driven[axis] - s.velocity_from_m_s[axis],
                     s.drive.variance);
             return;
         }
         const Real usual2 = notice_motion(s, params, axis);
         const Real noise2 =
             resting(s) ? squared(params.rest_velocity_m_s) * real(params.rest_velocity_s) : usual2;
-        measure(s, State::velocity + axis, -s.means.velocity[axis], noise2 / s.means.time);
+        measure(s, State::velocity + axis, -s.velocity_from_m_s[axis], noise2 / s.means.time);
     }
 
     /// Variance of a velocity of mean 0, times its correlation time, in the motion of late.
     static Real notice_motion(State& s, const Params& params, std::size_t axis) noexcept {
         const Real time = s.means.time;
         Real& slow = s.slow_velocity_m_s[axis];
-        slow += time / (real(params.restless_s) + time) * (s.means.velocity[axis] - slow);
+        slow += time / (real(params.restless_s) + time) * (s.velocity_from_m_s[axis] - slow);
         s.restless2 += time / (real(params.restless_memory_s) + time) * (slow * slow - s.restless2);
         const Real usual = squared(params.velocity_m_s) * real(params.velocity_s);
         const Real seen = real(2 * params.restless_gain * params.restless_s) * s.restless2 *
@@ -394,6 +409,7 @@ class KalmanStep {
         }
         s.velocity_from_m_s = {v[0] - east, v[1] - north};
         s.q_wb = normalised(q * s.q_wb);
+        sum_corrections(s, params);
         follow_bias(s, params);
         const Real limit = real(params.bias_max_rad_s);
         // beyond the limit it is not believed, and then it is not known either

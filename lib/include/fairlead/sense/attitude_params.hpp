@@ -2,9 +2,9 @@
 // What the attitude filter assumes about the sensor, the motion and the field: SI units, defaults
 // for consumer MEMS sensors on a hand, a body or a vehicle. Where each number comes from, and what
 // changing it costs: docs/attitude.md.
-#include "fairlead/base/compiler.hpp"
+#include <array>
 
-#include "fairlead/base/status.hpp"
+#include "fairlead/base/check.hpp"
 
 namespace fairlead {
 
@@ -58,9 +58,13 @@ struct AttitudeParams {
     float force_tilt = 15.0f * deg;  // its mean so far from the vertical: flag::settling
     float force_lost = 30.0f * deg;  // and so far, for force_lost_s: the inclination is lost
     float force_lost_s = 5.0f;
-    float verify_gap_s = 0.15f;  // a gap, or blind gyro, so long: the inclination is verified
-    float dead_axis_s = 0.25f;   // a gyro axis that repeats its reading in motion is dead
-    float dead_sensor_s = 0.1f;  // a whole sensor likewise
+    float prove_s = 6.0f;  // a start in motion: for so long nothing may contradict the inclination
+    float corrected_s = 5.0f;          // the sum of the tilt's corrections over this time,
+    float corrected_max = 3.5f * deg;  // if larger: flag::settling, and prove_s begins anew
+    float verify_gap_s = 0.15f;        // a gap, or blind gyro, so long: the inclination is verified
+    float held_s = 0.035f;             // a gyro that repeats itself in motion so long may be frozen
+    float dead_axis_s = 0.25f;         // a gyro axis that repeats its reading in motion is dead
+    float dead_sensor_s = 0.1f;        // a whole sensor likewise
     float dead_rate_rad_s = 0.5f * deg;  // at a rate farther from the bias than this
 
     // ---- rest
@@ -95,34 +99,106 @@ struct AttitudeParams {
     float sigma_scale = 0.6f;         // of the reported standard deviations
     float settled_tilt = 3.0f * deg;  // flag::settling until both are known so well
     float settled_heading = 10.0f * deg;
+
+    /// Visits each field: name, value, least and greatest value.
+    template <class Params, class Visit>
+    static constexpr void each(Params& p, Visit&& visit) noexcept;
 };
 
-/// Can the filter work with these? Every time, variance and limit must be finite and positive
-/// within the range of its kind; the full scales may be 0.
-constexpr Status check(const AttitudeParams& p) noexcept {
-    const auto within = [](float x, float low, float high) { return x >= low && x <= high; };
-    const auto time = [&](float s) { return within(s, 1e-3f, 1e4f); };
-    const bool times = within(p.step_s, 0.02f, 0.5f) && within(p.align_s, 0.1f, 10) &&
-                       within(p.gap_periods, 1, 100) && within(p.gap_s_max, 0.01f, 2) &&
-                       time(p.velocity_s) && time(p.restless_s) && time(p.restless_memory_s) &&
-                       time(p.drive_s) && time(p.force_s) && time(p.verify_s) &&
-                       time(p.force_lost_s) && time(p.verify_gap_s) && time(p.dead_axis_s) &&
-                       time(p.dead_sensor_s) && time(p.rest_s) && time(p.rest_window_s) &&
-                       time(p.rest_velocity_s) && time(p.bias_trend_s) && time(p.field_s) &&
-                       time(p.field_residual_s) && time(p.field_memory_s) && time(p.field_next_s) &&
-                       time(p.field_young_s) && time(p.field_change_s);
-    const bool motion = within(p.velocity_m_s, 0.1f, 30) && within(p.accel_noise, 1e-4f, 10) &&
-                        within(p.restless_gain, 0, 100) && within(p.restless_knee, 0, 100) &&
-                        within(p.restless_max, 1, 1e4f) && within(p.restless_tilt, 0, 1);
-    const bool gyro = within(p.gyro_noise, 1e-7f, 0.1f) && within(p.bias_rad_s, 1e-5f, 1) &&
-                      within(p.bias_max_rad_s, 1e-5f, 2) && within(p.bias_walk, 0, 0.1f) &&
-                      within(p.bias_trend_max, 0, 0.1f) && within(p.clock_error, 0, 0.2f) &&
-                      within(p.scale_error, 0, 0.2f) && within(p.misalignment, 0, 0.2f) &&
-                      within(p.gyro_full_scale_rad_s, 0, 1e3f) &&
-                      within(p.accel_full_scale_m_s2, 0, 1e5f);
-    const bool field = within(p.field_uT, 1e-3f, 100) && within(p.rest_field_uT, 0.05f, 100) &&
-                       within(p.field_rest, 1, 1e3f) && within(p.rest_tilt, 1e-3f, 1);
-    return times && motion && gyro && field ? Status::ok : Status::bad_argument;
+namespace detail {
+
+/// A parameter of the filter, and its range.
+struct AttitudeField {
+    const char* name;
+    float AttitudeParams::*value;
+    float least, greatest;
+};
+
+inline constexpr std::array<AttitudeField, 70> attitude_fields{{
+    {"step_s", &AttitudeParams::step_s, 0.02f, 0.5f},
+    {"align_s", &AttitudeParams::align_s, 0.1f, 10},
+    {"gap_periods", &AttitudeParams::gap_periods, 1, 100},
+    {"gap_s_max", &AttitudeParams::gap_s_max, 0.01f, 2},
+    {"rate_walk", &AttitudeParams::rate_walk, 0, 100},
+    {"gyro_noise", &AttitudeParams::gyro_noise, 1e-7f, 0.1f},
+    {"gyro_scale_noise", &AttitudeParams::gyro_scale_noise, 0, 0.1f},
+    {"bias_rad_s", &AttitudeParams::bias_rad_s, 1e-5f, 1},
+    {"bias_max_rad_s", &AttitudeParams::bias_max_rad_s, 1e-5f, 2},
+    {"bias_walk", &AttitudeParams::bias_walk, 0, 0.1f},
+    {"bias_trend_s", &AttitudeParams::bias_trend_s, 1e-3f, 1e4f},
+    {"bias_trend_sigma", &AttitudeParams::bias_trend_sigma, 0, 100},
+    {"bias_trend_max", &AttitudeParams::bias_trend_max, 0, 0.1f},
+    {"clock_error", &AttitudeParams::clock_error, 0, 0.2f},
+    {"scale_error", &AttitudeParams::scale_error, 0, 0.2f},
+    {"misalignment", &AttitudeParams::misalignment, 0, 0.2f},
+    {"gyro_full_scale_rad_s", &AttitudeParams::gyro_full_scale_rad_s, 0, 1e3f},
+    {"accel_full_scale_m_s2", &AttitudeParams::accel_full_scale_m_s2, 0, 1e5f},
+    {"velocity_m_s", &AttitudeParams::velocity_m_s, 0.1f, 30},
+    {"velocity_s", &AttitudeParams::velocity_s, 1e-3f, 1e4f},
+    {"accel_noise", &AttitudeParams::accel_noise, 1e-4f, 10},
+    {"accel_offset_m_s2", &AttitudeParams::accel_offset_m_s2, 0, 10},
+    {"accel_zero_m_s2", &AttitudeParams::accel_zero_m_s2, 0, 10},
+    {"restless_s", &AttitudeParams::restless_s, 1e-3f, 1e4f},
+    {"restless_memory_s", &AttitudeParams::restless_memory_s, 1e-3f, 1e4f},
+    {"restless_gain", &AttitudeParams::restless_gain, 0, 100},
+    {"restless_knee", &AttitudeParams::restless_knee, 0, 100},
+    {"restless_max", &AttitudeParams::restless_max, 1, 1e4f},
+    {"restless_tilt", &AttitudeParams::restless_tilt, 0, 1},
+    {"drive_s", &AttitudeParams::drive_s, 1e-3f, 1e4f},
+    {"force_s", &AttitudeParams::force_s, 1e-3f, 1e4f},
+    {"verify_s", &AttitudeParams::verify_s, 1e-3f, 1e4f},
+    {"force_tilt", &AttitudeParams::force_tilt, 0.01f, 1.5f},
+    {"force_lost", &AttitudeParams::force_lost, 0.01f, 1.5f},
+    {"force_lost_s", &AttitudeParams::force_lost_s, 1e-3f, 1e4f},
+    {"prove_s", &AttitudeParams::prove_s, 0, 60},
+    {"corrected_s", &AttitudeParams::corrected_s, 0.1f, 1e3f},
+    {"corrected_max", &AttitudeParams::corrected_max, 1e-3f, 3},
+    {"verify_gap_s", &AttitudeParams::verify_gap_s, 1e-3f, 1e4f},
+    {"held_s", &AttitudeParams::held_s, 0, 1},
+    {"dead_axis_s", &AttitudeParams::dead_axis_s, 1e-3f, 1e4f},
+    {"dead_sensor_s", &AttitudeParams::dead_sensor_s, 1e-3f, 1e4f},
+    {"dead_rate_rad_s", &AttitudeParams::dead_rate_rad_s, 0, 1},
+    {"rest_s", &AttitudeParams::rest_s, 1e-3f, 1e4f},
+    {"rest_window_s", &AttitudeParams::rest_window_s, 1e-3f, 1e4f},
+    {"rest_gyro_rad_s", &AttitudeParams::rest_gyro_rad_s, 1e-4f, 1},
+    {"rest_accel_m_s2", &AttitudeParams::rest_accel_m_s2, 1e-3f, 10},
+    {"rest_noise_max", &AttitudeParams::rest_noise_max, 1, 100},
+    {"rest_rate_rad_s", &AttitudeParams::rest_rate_rad_s, 1e-7f, 1},
+    {"rest_gate", &AttitudeParams::rest_gate, 0, 100},
+    {"rest_gate_rad_s", &AttitudeParams::rest_gate_rad_s, 0, 1},
+    {"rest_field_uT", &AttitudeParams::rest_field_uT, 0.05f, 100},
+    {"rest_tilt", &AttitudeParams::rest_tilt, 1e-3f, 1},
+    {"rest_velocity_m_s", &AttitudeParams::rest_velocity_m_s, 1e-4f, 10},
+    {"rest_velocity_s", &AttitudeParams::rest_velocity_s, 1e-3f, 1e4f},
+    {"field_uT", &AttitudeParams::field_uT, 1e-3f, 100},
+    {"field_s", &AttitudeParams::field_s, 1e-3f, 1e4f},
+    {"field_residual_s", &AttitudeParams::field_residual_s, 1e-3f, 1e4f},
+    {"field_start_uT", &AttitudeParams::field_start_uT, 0, 100},
+    {"field_memory_s", &AttitudeParams::field_memory_s, 1e-3f, 1e4f},
+    {"field_rest", &AttitudeParams::field_rest, 1, 1e3f},
+    {"field_disturbed_uT", &AttitudeParams::field_disturbed_uT, 0.1f, 1e3f},
+    {"field_next_s", &AttitudeParams::field_next_s, 1e-3f, 1e4f},
+    {"field_young_s", &AttitudeParams::field_young_s, 1e-3f, 1e4f},
+    {"field_young_doubt_s", &AttitudeParams::field_young_doubt_s, 0, 1e4f},
+    {"field_change_s", &AttitudeParams::field_change_s, 1e-3f, 1e4f},
+    {"field_offset", &AttitudeParams::field_offset, 0, 1},
+    {"sigma_scale", &AttitudeParams::sigma_scale, 1e-3f, 1e3f},
+    {"settled_tilt", &AttitudeParams::settled_tilt, 1e-3f, 1},
+    {"settled_heading", &AttitudeParams::settled_heading, 1e-3f, 3},
+}};
+// every parameter is a float: one that is added must be named above
+static_assert(sizeof(AttitudeParams) == attitude_fields.size() * sizeof(float));
+
+}  // namespace detail
+
+template <class Params, class Visit>
+constexpr void AttitudeParams::each(Params& p, Visit&& visit) noexcept {
+    for (const auto& f : detail::attitude_fields) visit(f.name, p.*f.value, f.least, f.greatest);
+}
+
+/// Can the filter work with these? The name of the first field that is out of its range.
+constexpr Check check(const AttitudeParams& params) noexcept {
+    return detail::check_ranges(params);
 }
 
 }  // namespace fairlead

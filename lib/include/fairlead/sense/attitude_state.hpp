@@ -33,9 +33,8 @@ struct WindowSums {
 /// The closed window, while the Kalman step works on it slice by slice.
 template <class Real>
 struct WindowMeans {
-    BasicQuat<Real> middle{};  // orientation in the middle of the window
-    BasicVec3<Real> rate{};    // mean calibrated rate
-    std::array<Real, 2> velocity{};
+    BasicQuat<Real> middle{};      // orientation in the middle of the window
+    BasicVec3<Real> rate{};        // mean calibrated rate
     std::array<Real, 2> driven{};  // what the speed input says of it
     Real time{};
 };
@@ -92,6 +91,8 @@ struct AliveState {
     std::array<std::uint16_t, 3> gyro_runs{};  // repetitions of each axis
     std::uint16_t accel_runs{};
     bool gyro_dead{}, accel_dead{};
+    std::uint8_t held{};          // repetitions of the whole gyro
+    std::uint8_t usual_held16{};  // 16 times the usual number of them
 };
 
 template <class Real, AttitudeMode mode>
@@ -112,7 +113,7 @@ struct FieldState<Real, AttitudeMode::imu_mag> {
 
 template <class Real, AttitudeMode mode>
 struct AttitudeState {
-    static constexpr std::uint32_t saved_version = 3;
+    static constexpr std::uint32_t saved_version = 4;
 
     /// Error states: tilt about east and north, velocity, gyro bias, gyro matrix (scale xx, yy, zz,
     /// shear yz, zx, xy); heading comes last, so that it is one more row below the filter that does
@@ -125,8 +126,9 @@ struct AttitudeState {
     BasicVec3<Real> bias_rad_s{};
     BasicSym3<Real> gyro_matrix{};  // rate = (1 - matrix) (gyro - bias): scale and shear
     BasicVec3<Real> rate_rad_s{};
-    std::array<Real, 2> velocity_m_s{};       // east, north: a bounded stand-in, not navigation
-    std::array<Real, 2> velocity_from_m_s{};  // where the running window began
+    std::array<Real, 2> velocity_m_s{};  // east, north: a bounded stand-in, not navigation
+    // where the running window began; until the step corrects it, the closed one's end
+    std::array<Real, 2> velocity_from_m_s{};
     Covariance<Real, size> covariance{};
     std::array<Real, size> correction{};  // found by the slices so far
     WindowSums<Real> sums{};
@@ -137,12 +139,14 @@ struct AttitudeState {
     std::array<Real, 2> slow_velocity_m_s{};  // low-passed innovation of the velocity
     Real restless2{};                         // its mean square
     BiasTrend<Real> trend{};
-    BasicVec3<Real> force_m_s2{};  // mean specific force, in the world
-    Real force_s{};                // over so much time
-    Real tilted_s{};               // it has been far from the vertical for so long
-    bool doubted{};                // readings were lost or wrong: the inclination is to be verified
-    Real period_s{};               // typical time step
-    Real blind_s{};                // for so long the gyro has been clipped or stuck
+    BasicVec3<Real> force_m_s2{};     // mean specific force, in the world
+    Real force_s{};                   // over so much time
+    Real tilted_s{};                  // it has been far from the vertical for so long
+    std::array<Real, 2> corrected{};  // sum of the tilt's corrections of late, rad
+    std::uint16_t unproven_ms{};      // a start in motion: for so long the inclination may be wrong
+    bool doubted{};   // readings were lost or wrong: the inclination is to be verified
+    Real period_s{};  // typical time step
+    Real blind_s{};   // for so long the gyro has been clipped or stuck
     AliveState<Real> alive{};
     DriveState<Real> drive{};
     AttitudePhase phase{};

@@ -33,8 +33,9 @@ constexpr Sample mark_clipped(const Sample& sample, float gyro_full_scale_rad_s,
 /// own: flag::gyro_clipped, accel_clipped or mag_clipped.
 constexpr bool is_clipped(const Sample& sample, flag::Bits own) noexcept {
     constexpr flag::Bits which = flag::gyro_clipped | flag::accel_clipped | flag::mag_clipped;
-    if ((sample.flags & which) != 0) return (sample.flags & own) != 0;
-    return (sample.flags & flag::clipped) != 0;
+    const flag::Bits said = sample.flags & (which | flag::clipped);
+    if (said == 0) return false;  // nearly always
+    return (said & which) == 0 || (said & own) != 0;
 }
 
 }  // namespace fairlead

@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "fairlead/base/status.hpp"
+#include "fairlead/base/check.hpp"
 #include "fairlead/base/types.hpp"
 #include "fairlead/smooth/space.hpp"
 
@@ -29,7 +29,16 @@ namespace fairlead {
 struct AdaptiveParams {
     float cutoff_hz{2};
     float slope{0.6f};
+
+    template <class Params, class Visit>
+    static constexpr void each(Params& p, Visit&& visit) noexcept {
+        visit("cutoff_hz", p.cutoff_hz, 1e-3f, 1e4f);
+        visit("slope", p.slope, 0.0f, 1e4f);
+    }
 };
+constexpr Check check(const AdaptiveParams& params) noexcept {
+    return detail::check_ranges(params);
+}
 
 namespace detail {
 
@@ -108,11 +117,11 @@ class AdaptiveFilter {
   public:
     static constexpr std::size_t latency = 0;
 
+    /// Both must pass check(): asserted.
     constexpr AdaptiveFilter(const AdaptiveParams& orientation,
                              const AdaptiveParams& position) noexcept
         : orientation_params_{orientation}, position_params_{position} {
-        FAIRLEAD_ASSERT(orientation.cutoff_hz > 0 && orientation.slope >= 0);
-        FAIRLEAD_ASSERT(position.cutoff_hz > 0 && position.slope >= 0);
+        FAIRLEAD_ASSERT(check(orientation) && check(position));
     }
 
     std::optional<Pose> push(const Pose& pose) noexcept {

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "fairlead/base/check.hpp"
 #include "fairlead/base/types.hpp"
 #include "fairlead/smooth/fairing_operator.hpp"
 
@@ -35,7 +36,17 @@ struct FairingParams {
     float bound_m{std::numeric_limits<float>::infinity()};
     float bound_rad{std::numeric_limits<float>::infinity()};  // rotation angle
     bool alternate{false};  // mirror rho_3 in every second round: no shift in time
+
+    template <class Params, class Visit>
+    static constexpr void each(Params& p, Visit&& visit) noexcept {
+        constexpr float unbounded = std::numeric_limits<float>::infinity();
+        visit("damping_p", p.damping_p, 0.0f, 1.0f);
+        visit("damping_q", p.damping_q, 0.0f, 1.0f);
+        visit("bound_m", p.bound_m, 0.0f, unbounded);
+        visit("bound_rad", p.bound_rad, 0.0f, unbounded);
+    }
 };
+constexpr Check check(const FairingParams& params) noexcept { return detail::check_ranges(params); }
 
 struct FairingReport {
     std::size_t rounds_p{};  // the fewest rounds that a segment of positions went
@@ -114,11 +125,12 @@ inline std::size_t fair_channel(const Pose* raw, Pose* now, Pose* next, std::siz
 }  // namespace detail
 
 /// Fairs n records of `raw` into `out`. `raw`, `out` and `scratch` hold n records each and do not
-/// overlap.
+/// overlap. params must pass check(): asserted.
 template <int Order = 3>
 inline FairingReport fair(const Pose* raw, Pose* out, Pose* scratch, std::size_t n,
                           std::size_t rounds, const FairingParams& params = {},
                           OnBound on_bound = OnBound::stop) noexcept {
+    FAIRLEAD_ASSERT(check(params));
     for (std::size_t i = 0; i < n; ++i) out[i] = scratch[i] = raw[i];
     return {detail::fair_channel<detail::FairPosition<float>, Order>(
                 raw, out, scratch, n, rounds, params.damping_p, params.bound_m, params.alternate,

@@ -165,7 +165,7 @@ class AnyFairingWindow {
         : position_{rounds, params.damping_p, params.bound_m, Alternate},
           orientation_{rounds, params.damping_q, params.bound_rad, Alternate},
           delay_{detail::fairing_latency(Order, rounds, Alternate)} {
-        FAIRLEAD_ASSERT(rounds > 0 && rounds <= RoundsMax);
+        FAIRLEAD_ASSERT(rounds > 0 && rounds <= RoundsMax && check(params));
     }
 
     /// Records between a record and its faired one.

@@ -150,7 +150,7 @@ class AnyStrainSmoother {
     /// params.steps: Gauss-Newton steps a push; one is enough where the lag is strain_lag().
     AnyStrainSmoother(const StrainParams& params, std::size_t lag) noexcept
         : position_{params.position}, orientation_{params.orientation, params.steps}, lag_{lag} {
-        FAIRLEAD_ASSERT(lag <= LagMax);
+        FAIRLEAD_ASSERT(lag <= LagMax && check(params));
     }
 
     /// Records between a record and its smoothed one.

@@ -25,7 +25,7 @@ class StrainBuffer {
   public:
     /// n <= N records of `in` into `out`, which may be the same place.
     void smooth(const Pose* in, Pose* out, std::size_t n, const StrainParams& params) noexcept {
-        FAIRLEAD_ASSERT(n <= N);
+        FAIRLEAD_ASSERT(n <= N && check(params));
         for (std::size_t i = 0; i < n; ++i) out[i] = in[i];
         smooth_positions(out, n, params.position);
         smooth_orientations(out, n, params.orientation, params.steps);

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/base/check.hpp"
 #include "fairlead/base/status.hpp"
 #include "fairlead/math/approx.hpp"
 
@@ -66,18 +67,28 @@ constexpr std::size_t strain_lag(float cutoff_hz, float step_s) noexcept {
 }
 
 struct StrainParams {
+    static constexpr std::size_t steps_max = 64;  // they converge in some ten
     StrainWeight position;
     StrainWeight orientation;
     std::size_t steps{8};  // Gauss-Newton: of a whole buffer; a stream does one or two a push
 
-    /// One cut-off for both channels; bad_argument where strain_weight_error() says why.
+    /// One cut-off for both channels; bad_argument where strain_weight_error() says why, and for
+    /// steps that check() refuses.
     static Result<StrainParams> from_cutoff(float cutoff_hz, float step_s,
                                             std::size_t steps = 8) noexcept {
         const auto weight = strain_weight(cutoff_hz, step_s);
         if (!weight) return weight.status();
+        if (steps < 1 || steps > steps_max) return Status::bad_argument;
         return StrainParams{*weight, *weight, steps};
     }
+
+    template <class Params, class Visit>
+    static constexpr void each(Params& p, Visit&& visit) noexcept {
+        visit("steps", p.steps, std::size_t{1}, +steps_max);
+    }
 };
+/// The weights are good as they are: only strain_weight() makes them.
+constexpr Check check(const StrainParams& params) noexcept { return detail::check_ranges(params); }
 
 namespace detail {
 
