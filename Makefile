@@ -270,7 +270,7 @@ bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing bes
 	$<
 bench-peers: $(BUILD)/bench-peers sim ## [peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
 	$< --page docs/peers.md --control-points $(STUDY)/bench_peers/control_points.csv --sweep $(STUDY)/bench_peers/sweep.csv
-bench-cubics: $(BUILD)/bench-cubics ## [peers] C2 cubics beside the best rival, from their bytes: the table of docs/cubics.md (minutes)
+bench-cubics: $(BUILD)/bench-cubics ## [build] C2 cubics beside the best rival, from their bytes: the table of docs/cubics.md (minutes)
 	@$< --recordings $(RECORDINGS)/tracker120 --folder $(BUILD)/peers
 choosing: sim ## [script demo] what each choice costs: rewrites the tables and plots of docs/choosing.md (a minute)
 	@$(STUDY)/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md docs/img/choosing.svg BOUNDS.md

@@ -75,7 +75,7 @@ void note_counts(const Chain& chain, Replay& result) {
     const auto& encoder = chain.encoder().inner();
     result.frames = encoder.frames();
     result.restarts = encoder.restarts();
-    result.overflows = encoder.overflows() + encoder.check_failures();
+    result.overflows = encoder.overflows() + encoder.given_up();
 }
 
 // in float32 with time and validity: a pose as in a .trk, an IMU's sensors as in an .imu
