@@ -23,7 +23,7 @@ class Codec {
         std::uint32_t frames() const { return frame_count; }
         std::uint32_t restarts() const { return 0; }  // it does not count them
         std::uint32_t overflows() const { return 0; }
-        std::uint32_t check_failures() const { return 0; }
+        std::uint32_t given_up() const { return 0; }
     };
 
     static constexpr Check check(const Stream& stream) noexcept {
