@@ -75,6 +75,34 @@ Outcome run_line(double damage, std::size_t noise, int frames, std::uint64_t see
     return out;
 }
 
+TEST(StreamDamage, AHeaderWhoseBytesLookLikeHeadsIsFound) {
+    wire::Header header;
+    wire::StreamShape& s = header.shape;
+    s.stream_id = s.run = 0xf0f9;  // heads of event frames of 240 bytes
+    s.base_ns = static_cast<std::int64_t>(0xf0f9f0f9f0f9f0f9u);
+    s.timing = {130'208, 12, false, 56};
+    s.channels = 1;
+    s.channel[0].type = wire::ChannelType::vector;
+    s.channel[0].kind = 1;
+    s.channel[0].axes = wire::axes_max;
+    s.channel[0].tolerance = 27'307;
+    for (std::size_t i = 0; i < wire::axes_max; ++i)  // exponent and next mantissa: heads as well
+        s.channel[0].step[i] = curve::Scale::of_step(1.9f + 0.01f * static_cast<float>(i));
+    std::array<std::uint8_t, wire::header_frame_max> bytes{};
+    for (const bool starts : {true, false}) {
+        header.starts = starts;
+        const std::size_t size = wire::write_header(header, bytes.data());
+        ASSERT_GT(size, 0u);
+        for (std::size_t noise = 0; noise < 40; ++noise) {
+            wire::Decoder<wire::axes_max, 0> reader;
+            for (std::size_t i = 0; i < noise; ++i) reader.push(static_cast<std::uint8_t>(i));
+            for (std::size_t i = 0; i < size; ++i) reader.push(bytes[i]);
+            EXPECT_EQ(reader.grid().base_ns, s.base_ns) << noise << " bytes before";
+            EXPECT_EQ(reader.counters().refused, 0u);
+        }
+    }
+}
+
 TEST(StreamDamage, NothingWrongIsBelieved) {
     for (const double damage : {0.001, 0.01, 0.03}) {
         const Outcome o = run_line<16>(damage, 0, 4000, 3);

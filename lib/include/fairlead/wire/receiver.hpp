@@ -161,6 +161,7 @@ class Receiver {
   private:
     static constexpr std::uint16_t check_mask = static_cast<std::uint16_t>((1u << CheckBits) - 1u);
     static constexpr std::size_t smallest_frame = 1 + 1 + check_size;
+    static constexpr std::uint8_t version_max = 15;  // of a header that is noticed and refused
     static constexpr std::size_t room_made = 8, capacity = 3 * data_frame_max + room_made + 2;
     // what work costs, in units: a place behind its CRC, a restart frame that is tried, a byte of a
     // frame that is parsed
@@ -338,11 +339,12 @@ class Receiver {
         }
         return Found::nothing;
     }
-    /// Heads of header and event frames wait in a list until their frames are complete.
+    /// Heads of header and event frames wait in a list until their frames are complete. A head that
+    /// waits keeps its room: what looks like one within its frame must not take it.
     Found search_long(std::size_t end) noexcept {
-        const std::size_t newest = end - 2;
-        if (bytes_[newest] > payload_max && size_at(newest) > 0) {
-            heads_ = {heads_[1], heads_[2], heads_[3], static_cast<std::uint16_t>(newest + 1)};
+        if (end >= scan_from_ + std::size_t{3} && may_be_long(end - 3)) {
+            const auto room = std::find(heads_.begin(), heads_.end(), std::uint16_t{0});
+            if (room != heads_.end()) *room = static_cast<std::uint16_t>(end - 3 + 1);
         }
         for (std::uint16_t& head : heads_) {
             if (head == 0 || head - 1u + size_at(head - 1u) != end) continue;
@@ -357,6 +359,11 @@ class Receiver {
             return found;
         }
         return Found::nothing;
+    }
+    /// Is there the head of a header or event frame? Behind that of a header stands its version.
+    bool may_be_long(std::size_t at) const noexcept {
+        if (bytes_[at] <= payload_max || size_at(at) == 0) return false;
+        return bytes_[at] != header_head || bytes_[at + 2] <= version_max;
     }
     std::uint16_t check_at(std::size_t at) const noexcept {
         return static_cast<std::uint16_t>(bytes_[at] << 8 | bytes_[at + 1]);
