@@ -48,7 +48,7 @@ void each_frame(const Octets& bytes, std::size_t from, const Visit& visit) {
     }
 }
 
-/// What a board sends for three seconds; its restarts come often.
+/// What a board sends for a second; its restarts come often.
 Stream stream_of(unsigned seed) {
     Pipeline<Board>::Params params;
     params.sample_period_ns = 10'000'000;
@@ -71,14 +71,14 @@ Stream stream_of(unsigned seed) {
     std::minstd_rand random{seed + 1};
     std::uniform_real_distribution<float> even{-0.02f, 0.02f};
     Vec3 speed{};
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 100; ++i) {
         pose.t_ns += 10'000'000;
         if (i % 25 == 0) speed = {even(random), even(random), even(random)};
         pose.p_w_m = pose.p_w_m + speed;
         pose.q_wb = pose.q_wb * from_rotation_vector(speed);
         pose.flags = flag::position_valid | flag::orientation_valid;
-        if (seed % 2 == 1 && i % 100 > 80) pose.p_w_m.x += even(random) * 100;  // jumps
-        if (i % 60 == 30) board->push_event({pose.t_ns, 1, static_cast<std::uint16_t>(i), 0});
+        if (seed % 2 == 1 && i % 50 > 35) pose.p_w_m.x += even(random) * 100;  // jumps
+        if (i % 40 == 30) board->push_event({pose.t_ns, 1, static_cast<std::uint16_t>(i), 0});
         add(board->push(pose));
     }
     while (add(board->flush())) continue;

@@ -60,6 +60,10 @@ class PipelineCheck {
         sent_.push_back({raw.t_ns, ++verdict_.pushed});
         note_and_take(chain_->push(raw));
     }
+    /// What the pipeline takes must come out once, in order.
+    void push_event(const Event& event) {
+        if (chain_->push_event(event)) events_.push_back(event);
+    }
     void idle() { note_and_take(chain_->idle()); }
     /// What is inside leaves; the stream goes on.
     void flush() {
@@ -79,6 +83,8 @@ class PipelineCheck {
             for (const Waiting& w : queue)
                 complain("uncovered", verdict_.uncovered, w.push, w.t_ns);
         for (auto& queue : waiting_) queue.clear();
+        for (const Event& e : events_) complain("event lost", verdict_.uncovered, 0, e.t_ns);
+        events_.clear();
         verdict_.damaged += decoder_->frame_counters().losses + decoder_->counters().nonsense;
         const auto& encoder = chain_->encoder().inner();
         verdict_.overflows = encoder.overflows();
@@ -167,6 +173,7 @@ class PipelineCheck {
     }
 
     void drain() {
+        drain_events();
         const curve::Grid grid = decoder_->grid();
         wire::CurvePiece p;
         while (decoder_->next(p)) {
@@ -175,6 +182,17 @@ class PipelineCheck {
             const std::size_t at = p.rotates ? dimension : p.axis;
             told_[at].push_back({decoder_->run_index(), grid.time_ns(p.start), grid.time_ns(p.end),
                                  static_cast<double>(grid.tick_ns()), p});
+        }
+    }
+
+    void drain_events() {
+        Event told;
+        while (decoder_->next_event(told)) {
+            const bool next = !events_.empty() && told.t_ns == events_.front().t_ns &&
+                              told.channel == events_.front().channel &&
+                              told.value == events_.front().value;
+            if (!next) return complain("another event", verdict_.unknown, 0, told.t_ns);
+            events_.pop_front();
         }
     }
 
@@ -253,6 +271,7 @@ class PipelineCheck {
     Verdict verdict_{};
     std::deque<Sent> sent_{};
     std::optional<Record> held_{};
+    std::deque<Event> events_{};  // taken, and not yet told
     std::array<std::deque<Waiting>, 2> waiting_{};
     std::array<std::deque<Told>, dimension + 1> told_{};
     std::uint32_t runs_{0};
