@@ -1,6 +1,6 @@
 // Whole pipelines with the encoder's and the reader's own types: any parameters that the check lets
-// through, any records, idle calls, flushes. Held, from the bytes and in double: each accepted
-// record is covered in time and within tolerance, and the reader understands the stream.
+// through, any records, events, idle calls, flushes. Held, from the bytes and in double: each
+// accepted record is covered in time and within tolerance, and the reader understands the stream.
 #include "tests/pipeline/pipeline_check.hpp"
 
 #include "tests/fuzz/input.hpp"
