@@ -21,8 +21,8 @@ inline int sum(int a, int b) {
 }
 inline int unused(int a) { return a - 1; }
 inline int untested(int a) { return a * 3; }
-inline int forever(int n) {
-    int i = 0;
+inline long long forever(long long n) {  // counts the wrong way for centuries, not for a second
+    long long i = 0;
     while (i < n) ++i;
     return i;
 }
