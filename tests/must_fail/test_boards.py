@@ -20,6 +20,7 @@ struct Codec {
     Bytes push(const Record&) { return {}; }
     Bytes idle() { return {}; }
     Bytes flush() { return {}; }
+    static constexpr bool busy() { return false; }
     bool push_event(const Event&) { return true; }
     void reset() {}
 };
