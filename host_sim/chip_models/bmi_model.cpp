@@ -146,7 +146,8 @@ void BmiModel::set(std::uint8_t reg, std::uint8_t value) {
         run_command(value);
     } else if (reg == 0x5E && !is_160()) {
         if ((regs_[0x7C] & 1) || (regs_[0x59] & 1)) return;  // asleep, or not in the upload
-        const std::size_t at = ((regs_[0x5B] & 0x0Fu) | regs_[0x5C] << 4) * 2u + uploaded_;
+        const std::size_t at =
+            ((regs_[0x5B] & 0x0Fu) | std::size_t{regs_[0x5C]} << 4) * 2u + uploaded_;
         if (at < memory_.size()) memory_[at] = value;
         ++uploaded_;
         return;
