@@ -31,37 +31,28 @@ std::string span_text(std::int64_t from_ns, std::int64_t to_ns) {
     return text;
 }
 
-template <class Run>
-std::size_t covered_by(const Run& run, const Recording& times) {
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < times.size(); ++i)
-        if (run.at(times.t_ns(i)).flags != 0) ++n;
-    return n;
-}
-
-/// The run that the times are of. Several cover them: only the user knows.
-template <class Store>
-const auto& chosen_run(const Store& store, const Recording& times, const Options& options) {
-    const auto& runs = store.runs();
-    if (options.run > runs.size())
-        throw BadSpec("--run " + std::to_string(options.run) + ": the stream holds " +
-                      std::to_string(runs.size()));
-    if (options.run > 0) return runs[options.run - 1];
-    if (runs.size() == 1) return runs[0];
-    const auto* chosen = &runs[0];
-    std::size_t covering = 0;
-    for (const auto& run : runs)
-        if (covered_by(run, times) > 0) chosen = &run, ++covering;
-    if (covering > 1)
-        throw BadData(options.stream + ": " + std::to_string(covering) +
-                      " runs of the board's clock cover these times; choose one: --run 1 to " +
-                      std::to_string(runs.size()));
-    return *chosen;
-}
-
 CurvePoint point_of(const CurveRun& run, std::int64_t t_ns) { return run.point_at(t_ns); }
 CurvePoint point_of(const earlier::CurveRun& run, std::int64_t t_ns) {
     return CurvePoint::of(run.at(t_ns));
+}
+
+/// The curve at a time, of the run that covers it. Several cover it: only the user knows.
+template <class Store>
+CurvePoint point_at(const Store& store, std::int64_t t_ns, const Options& options) {
+    const auto& runs = store.runs();
+    if (options.run > 0) return point_of(runs[options.run - 1], t_ns);
+    CurvePoint found;
+    for (const auto& run : runs) {
+        if (run.empty() || t_ns < run.begin_ns() || t_ns > run.end_ns()) continue;
+        const CurvePoint point = point_of(run, t_ns);
+        if (point.flags == 0) continue;
+        if (found.flags != 0)
+            throw BadData(options.stream + ": several runs of the board's clock cover " +
+                          std::to_string(t_ns) + " ns; choose one: --run 1 to " +
+                          std::to_string(runs.size()));
+        found = point;
+    }
+    return found;
 }
 
 /// In double: what the guarantee speaks of.
@@ -103,13 +94,15 @@ void write_curve(const Store& store, const Options& options) {
     reading.progress = progress_steps("read", "bytes");
     const Recording times = read_recording(options.at, reading);
     reading.progress = {};
-    const auto& run = chosen_run(store, times, options);
+    if (options.run > store.runs().size())
+        throw BadSpec("--run " + std::to_string(options.run) + ": the stream holds " +
+                      std::to_string(store.runs().size()));
     std::string csv = "t_ns,px,py,pz,qw,qx,qy,qz\n";
     std::size_t covered = 0;
     Progress progress{"evaluate", times.size(), "times"};
     for (std::size_t i = 0; i < times.size(); ++i) {
         progress.show(i);
-        const CurvePoint point = point_of(run, times.t_ns(i));
+        const CurvePoint point = point_at(store, times.t_ns(i), options);
         csv += point_row(times.t_ns(i), point);
         if (point.flags != 0) ++covered;
     }
@@ -161,7 +154,7 @@ void add_decode(CLI::App& app) {
                         "CSV to write: the discrete events, t_ns,channel,value,gap");
     command->add_option(
         "--run", options->run,
-        "Of a stream in which the board's clock has started anew: which run, from 1");
+        "Of a stream in which the board's clock has started anew: this run alone, from 1");
     command->add_option("--columns", options->reading.columns,
                         "Of a text file at --at: what its columns are");
     command->add_option("--units", options->reading.units, "Of a text file at --at: its units");

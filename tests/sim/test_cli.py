@@ -113,6 +113,22 @@ def test_decode_at_times_that_the_stream_does_not_cover(folder):
     expect(2, "decode", stream, "--at", trk, "--run", 3, "--out", out, says="holds 2")
 
 
+def test_runs_of_a_clock_that_leaps_decode_together(folder):
+    poses, stream, out = folder / "leap.csv", folder / "leap.flr", folder / "leap_decoded.csv"
+    for name, leap_ns in (("forward", 250 * 86400 * 10 ** 9), ("back", -3600 * 10 ** 9)):
+        rows = [(10 ** 9 + i * 8333333 + (leap_ns if i >= 300 else 0), 0.3 * math.sin(0.02 * i)) for i in range(600)]
+        poses.write_text("t_ns,px,py,pz,qw,qx,qy,qz\n" + "".join(f"{t},{x:.9g},0.5,1,1,0,0,0\n" for t, x in rows))
+        must("reduce", poses, "--tol-pos", "1e-3", "--tol-rot", "0.004", "--out", stream)
+        must("decode", stream, "--at", poses, "--out", out)
+        decoded = [line.split(",") for line in out.read_text().splitlines()[1:]]
+        assert [int(d[0]) for d in decoded] == [t for t, _ in rows], name
+        worst = max(abs(float(d[1]) - x) for d, (_, x) in zip(decoded, rows))
+        assert 0 < worst <= 1.0001e-3, (name, worst)
+        # one run alone: the times of the other have no curve
+        must("decode", stream, "--at", poses, "--run", 2, "--out", out)
+        assert sum(line.split(",")[1] != "" for line in out.read_text().splitlines()[1:]) == 300, name
+
+
 def test_convert_and_doubts(folder):
     imu, text, back = folder / "a.imu", folder / "a.csv", folder / "b.imu"
     must("generate", "model:icm42688p+rest:1+turn:1", "--out", imu)
