@@ -38,7 +38,7 @@ class GridFinder {
         meter_.reset();
         period_ns_ = 0;
         change_in_ = changes_ = strict_ = 0;
-        settled_ = placed_ = false;
+        committed_ = placed_ = false;
         if (stream_.sample_period_ns != 0) return use(stream_.sample_period_ns, gate, encoder);
         gate.set_limits(first_limits(stream_));
     }
@@ -49,7 +49,7 @@ class GridFinder {
     /// A record that the intake gives.
     template <class Raw, class Gate>
     void measure(const Raw& accepted, Gate& gate, Encoder& encoder) noexcept {
-        if (stream_.sample_period_ns != 0 || settled_) return;
+        if (stream_.sample_period_ns != 0 || committed_) return;
         const Raw* const next = gate.accepted();  // accepted by the same limits
         if (period_ns_ == 0) {
             const std::int64_t step = next ? next->t_ns - accepted.t_ns : sample_period_max_ns;
@@ -61,7 +61,7 @@ class GridFinder {
         last_ns_ = accepted.t_ns;
         if (run) meter_.pause();
         meter_.push(accepted.t_ns);
-        gate.set_limits(meter_.known() ? settle(next ? 1 : 0) : measuring());
+        gate.set_limits(meter_.known() ? commit_median(next ? 1 : 0) : measuring());
     }
 
     /// The record before the filter: the first one of a new grid is marked.
@@ -83,7 +83,7 @@ class GridFinder {
         if ((record.flags & flag::new_grid) != 0) {
             record.flags &= ~flag::new_grid;
             encoder.set_period(period_ns_);
-            if (--changes_ == 0 && settled_) gate.set_limits(limits());
+            if (--changes_ == 0 && committed_) gate.set_limits(limits());
             gap_ns_ = gate.gap_ns(limits());
         } else if (placed_ && (record.flags & flag::new_run) == 0 &&
                    record.t_ns - placed_ns_ > gap_ns_) {
@@ -111,10 +111,10 @@ class GridFinder {
 
     /// The median is known. It counts when no record that was accepted while measuring can ask for
     /// a finer grid any more. inside: records that wait in the intake. @return its new limits.
-    IntakeLimits settle(std::size_t inside) noexcept {
-        settled_ = ++strict_ > 2 && changes_ == 0;
+    IntakeLimits commit_median(std::size_t inside) noexcept {
+        committed_ = ++strict_ > 2 && changes_ == 0;
         IntakeLimits now = limits();
-        if (!settled_) return now;
+        if (!committed_) return now;
         const std::int64_t off = meter_.period_ns() - period_ns_;
         if ((off < 0 ? -off : off) > period_ns_ / 8) change(meter_.period_ns(), 1 + inside);
         // what comes suits both grids until the new one holds
@@ -139,7 +139,7 @@ class GridFinder {
     std::size_t change_in_{0};   // records to the first one of a new grid, plus 1; 0: none is due
     std::size_t changes_{0};     // of the grid, that the encoder has not seen yet
     std::size_t strict_{0};      // records since the median is known
-    bool settled_{false};
+    bool committed_{false};
     bool placed_{false};
 };
 

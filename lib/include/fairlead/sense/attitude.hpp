@@ -2,7 +2,7 @@
 // Orientation from gyro and accelerometer, with or without magnetometer: causal, float, in fixed
 // memory and even work per sample.
 //
-// Every sample: rest detection, exact strapdown, sums over a window, one slice of a Kalman step
+// Every sample: rest detection, exact strapdown, sums over a window, one part of a Kalman step
 // (attitude_kalman.hpp) that estimates tilt, heading, gyro bias, scale and shear. Time steps are
 // per sample; lost samples are bridged; what is missing, clipped or stuck adds to the uncertainty
 // instead of to the error. After [Laidig & Seel 2023] for the idea of a filter in an almost
@@ -132,7 +132,7 @@ class BasicAttitude {
     void restore_knowledge(const State& known) noexcept {
         s_ = known;
         s_.phase = AttitudePhase::empty;
-        s_.slice = Kalman::idle;
+        s_.part = Kalman::idle;
     }
     /// Takes over everything: the next sample follows the last one of that state.
     void restore_all(const State& known) noexcept { s_ = known; }
@@ -247,11 +247,11 @@ class BasicAttitude {
             filter();
     }
 
-    /// One slice; where samples are so rare that the slices outlast the window, it lasts as long.
+    /// One part; where samples are so rare that the parts outlast the window, it lasts as long.
     void filter() noexcept {
         const auto& w = s_.sums;
         const auto step_s = static_cast<Real>(params_.step_s);
-        if (s_.slice == Kalman::idle) {
+        if (s_.part == Kalman::idle) {
             if (w.time + s_.period_s / 2 < step_s) return;
             judge_alive(s_.alive, params_, s_.bias_rad_s, s_.period_s, s_.rest.quiet_s > 0);
             judge_rest(s_.rest, params_, w.time);
@@ -259,7 +259,7 @@ class BasicAttitude {
             return;
         }
         Kalman::advance(s_, params_);
-        if (s_.slice == Kalman::idle) judge();
+        if (s_.part == Kalman::idle) judge();
     }
 
     /// Flags that change with the Kalman step, and the end of an orientation that is lost.

@@ -1,5 +1,5 @@
 #pragma once
-// The error-state Kalman step, about 14 times a second, cut into slices so that every sample pays
+// The error-state Kalman step, about 14 times a second, cut into parts so that every sample pays
 // about the same.
 //
 // States: attitude error in the world frame (true = exp(error) estimate), horizontal velocity, gyro
@@ -8,7 +8,7 @@
 // velocity lives in the frame that turns with the heading error, so that heading never touches the
 // other states. Heading is moved by the magnetometer alone, and the magnetometer moves nothing else
 // (a Schmidt update): with and without one the inclination is the same.
-// Cost: a slice is about N^2/2 multiply-adds, N = 13 or 14; 11 slices a step.
+// Cost: a part is about N^2/2 multiply-adds, N = 13 or 14; 11 parts a step.
 #include <algorithm>
 
 #include "fairlead/math/quat.hpp"
@@ -30,7 +30,7 @@ class KalmanStep {
     static constexpr bool has_field = mode == AttitudeMode::imu_mag;
 
   public:
-    enum Slice : std::uint8_t {
+    enum Part : std::uint8_t {
         idle,
         turn_x,
         turn_y,
@@ -113,7 +113,7 @@ class KalmanStep {
         }
         s.velocity_m_s = s.velocity_from_m_s = {};
         s.correction = {};
-        s.slice = idle;
+        s.part = idle;
         s.sums = {};
         s.drive.fresh = true;
         doubt_inclination(s);
@@ -148,7 +148,7 @@ class KalmanStep {
         s.trend.variance = bias_variance(p);
         w = {};
         s.correction = {};
-        s.slice = turn_x;
+        s.part = turn_x;
     }
 
     /// Is the mean force farther from the vertical than `angle`?
@@ -158,20 +158,20 @@ class KalmanStep {
         return !(f.z > 0) || across2 > slope * slope * f.z * f.z;
     }
 
-    /// One slice of the step; the last one corrects the state.
+    /// One part of the step; the last one corrects the state.
     static void advance(State& s, const Params& params) noexcept {
-        const auto slice = s.slice;
-        ++s.slice;
-        switch (slice) {
+        const auto part = s.part;
+        ++s.part;
+        switch (part) {
             case turn_x:
-            case turn_y: turn(s, slice - std::size_t{turn_x}); break;
+            case turn_y: turn(s, part - std::size_t{turn_x}); break;
             case turn_z:
                 turn(s, 2);
-                if (!resting(s)) s.slice = velocity_x;
+                if (!resting(s)) s.part = velocity_x;
                 break;
             case bias_x:
             case bias_y:
-            case bias_z: measure_bias(s, params, slice - std::size_t{bias_x}); break;
+            case bias_z: measure_bias(s, params, part - std::size_t{bias_x}); break;
             case velocity_x: measure_velocity(s, params, 0); break;
             case velocity_y: measure_velocity(s, params, 1); break;
             case heading:  // idle without a magnetometer, so that both correct at the same sample
@@ -179,7 +179,7 @@ class KalmanStep {
                 break;
             default:
                 correct(s, params);
-                s.slice = idle;
+                s.part = idle;
                 break;
         }
     }

@@ -40,14 +40,14 @@ class LaggedAttitude {
 
     /// Empty while the lag fills, and where the filter says nothing.
     std::optional<Pose> push(const Sample& sample) noexcept {
-        const auto before = filter_.state().slice;
+        const auto before = filter_.state().part;
         const auto pose = filter_.push(sample);
         if (!pose) return std::nullopt;
         const auto& s = filter_.state();
         if (s.phase != AttitudePhase::running) {
             since_ = 0;
             learned_ = {};
-        } else if (before == Kalman::apply && s.slice == Kalman::idle) {
+        } else if (before == Kalman::apply && s.part == Kalman::idle) {
             learn();
         }
         std::optional<Pose> out;

@@ -30,7 +30,7 @@ struct WindowSums {
     std::uint16_t count{};
 };
 
-/// The closed window, while the Kalman step works on it slice by slice.
+/// The closed window, while the Kalman step works on it part by part.
 template <class Real>
 struct WindowMeans {
     BasicQuat<Real> middle{};      // orientation in the middle of the window
@@ -130,7 +130,7 @@ struct AttitudeState {
     // where the running window began; until the step corrects it, the closed one's end
     std::array<Real, 2> velocity_from_m_s{};
     Covariance<Real, size> covariance{};
-    std::array<Real, size> correction{};  // found by the slices so far
+    std::array<Real, size> correction{};  // found by the parts so far
     WindowSums<Real> sums{};
     WindowMeans<Real> means{};
     RestState<Real> rest{};
@@ -150,7 +150,7 @@ struct AttitudeState {
     AliveState<Real> alive{};
     DriveState<Real> drive{};
     AttitudePhase phase{};
-    std::uint8_t slice{};   // 0: the Kalman step is idle
+    std::uint8_t part{};    // 0: the Kalman step is idle
     std::uint16_t flags{};  // of the last pose
 };
 
