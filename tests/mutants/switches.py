@@ -4,6 +4,7 @@ the original.
 A switch is looked up when the program runs, so a test is compiled once for all mutants instead of once for each. Where the
 compiler evaluates an expression itself, the original stands: such mutants are judged by a compilation of their own."""
 import pathlib
+import re
 
 import clang.cindex
 from clang.cindex import CursorKind
@@ -119,7 +120,8 @@ def replacement(text, site, span, k):
     operator, at, old, new = site
     a, b = span
     original = text[a:b]
-    changed = text[a:at] + new + text[at + len(old):b]
+    # on one line, so that the original stays on its own lines and a refusal names the first one
+    changed = " ".join(re.sub(r"//[^\n]*", "", text[a:at] + new + text[at + len(old):b]).split())
     if operator == "statement":
         return f"{{ if (!mutants::on({k})) {original} }}"
     if operator == "condition":

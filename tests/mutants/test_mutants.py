@@ -28,12 +28,22 @@ inline long long forever(long long n) {  // counts the wrong way for centuries, 
 }
 inline int size() { return Sized<4>::n; }
 constexpr int at_build(int a) { return a + 2; }
+struct Half { int n; };
+inline Half operator/(Half a, int b) { return {a.n >= 0 ? b : -1}; }
+template <class T>
+T first(T a, T) { return a; }
+template <class T>
+T divided(T a, T b) {
+    return first(a,
+                 b) / 2;  // the compiler refuses a product where the template is used, not here
+}
 }  // namespace small
 """
 TEST = """#include "small/math.hpp"
 static_assert(small::at_build(1) == 3);
 int main() {
     small::untested(7);
+    if (small::divided(small::Half{1}, small::Half{1}).n != 2) return 1;
     return small::larger(2, 1) == 2 && small::larger(1, 2) == 2 && small::sum(1, 2) == 3 && small::forever(5) == 5 &&
                    small::size() == 4 ? 0 : 1;
 }
@@ -42,6 +52,7 @@ EXPECTED = {  # the text before, the operator: what becomes of it
     (" > ", "negated relation"): "killed", (" > ", "relation"): "survived", (" += ", "arithmetic"): "killed",
     ("s += b;", "statement"): "killed", (" - ", "arithmetic"): "not reached", (" * ", "arithmetic"): "survived",
     ("++", "step"): "timeout", ("4", "constant"): "killed", (" + ", "arithmetic"): "killed", ("i < n", "condition"): "killed",
+    (" / ", "arithmetic"): "stillborn",
 }
 
 

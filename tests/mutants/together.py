@@ -5,6 +5,7 @@ import json
 import pathlib
 import re
 import tempfile
+import threading
 
 import switches
 from sites import mutated
@@ -29,7 +30,8 @@ class Together:
             if span and not any(h == header and span[0] < b and a < span[1] for h, (a, b) in
                                 ((mutants[j - 1][0], s) for j, s in self.spans.items())):
                 self.spans[k] = span
-        self.overlay = suite.work / "together"
+        self.overlay, self.lock = suite.work / "together", threading.Lock()
+        self.generation = 0  # of the switched headers
         self.write()
         with tempfile.NamedTemporaryFile("w", suffix=".cpp", dir=suite.work) as source:
             source.write(switches.SOURCE % (len(mutants) + 1))
@@ -52,7 +54,11 @@ class Together:
             found = [(k, self.mutants[k - 1][1], span) for k, span in self.spans.items() if self.mutants[k - 1][0] == header]
             place = self.place(header)
             place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_text(switches.switched(text, found), encoding="utf-8")
+            whole = switches.switched(text, found)
+            if not place.exists() or place.read_text(encoding="utf-8") != whole:
+                beside = place.with_suffix(".new")
+                beside.write_text(whole, encoding="utf-8")
+                beside.replace(place)  # a compiler that runs reads the old one or the new one
         (self.overlay / "switches.hpp").write_text(switches.HEADER, encoding="utf-8")
 
     def everything(self):
@@ -63,17 +69,20 @@ class Together:
     def drop_refused(self, compile_once):
         """Compiles until it passes; switches on refused lines are taken out. @return whether it passed"""
         for _ in range(20):
+            texts = self.generation
             refused = compile_once()
             if refused is None:
                 return True
             at = {(f, int(line)) for f, line in re.findall(rf"({re.escape(str(self.overlay))}/\S+?):(\d+):", refused)}
-            guilty = [k for k, (a, _) in self.spans.items() if (str(self.place(self.mutants[k - 1][0])),
+            guilty = [k for k, (a, _) in list(self.spans.items()) if (str(self.place(self.mutants[k - 1][0])),
                       self.texts[self.mutants[k - 1][0]].count("\n", 0, a) + 1) in at]
-            if not guilty:
+            if not guilty and texts == self.generation:  # another test may have had it taken out
                 raise SystemExit(f"FAIL the switched headers do not compile:\n{refused[:3000]}")
-            for k in guilty:
-                del self.spans[k]
-            self.write()
+            with self.lock:
+                for k in guilty:
+                    self.spans.pop(k, None)
+                self.write()
+                self.generation += 1
         return False
 
     def key(self, source):
