@@ -78,7 +78,7 @@ struct SpanItem {
     std::uint32_t epoch{};
 };
 
-struct EventItem {
+struct FeedEvent {
     std::int64_t t_ns{};
     std::uint16_t channel{};
     std::uint16_t value{};
@@ -88,7 +88,7 @@ struct EventItem {
 struct UnitFeed {
     port::TripleBuffer<UnitState> state;
     port::Queue<SpanItem, 1024> spans;  // some frames
-    port::Queue<EventItem, 64> events;
+    port::Queue<FeedEvent, 64> events;
 };
 
 }  // namespace fairlead::gateway

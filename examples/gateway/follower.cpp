@@ -90,7 +90,7 @@ void CurveFollower::follow() noexcept {
     append(position_);
     Event event;
     while (decoder_.next_event(event)) {
-        const EventItem item{event.t_ns, event.channel, event.value};
+        const FeedEvent item{event.t_ns, event.channel, event.value};
         if (!feed_.events.push(item)) ++state_.events_dropped;
     }
     // between frames nothing is pending: what was received and not believed was passed over

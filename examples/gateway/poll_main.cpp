@@ -183,12 +183,12 @@ class Trajectory {
 };
 
 /// One line per event. @return false when the file cannot be written.
-bool write_events(const std::string& path, const std::vector<EventItem>& events) {
+bool write_events(const std::string& path, const std::vector<FeedEvent>& events) {
     if (path.empty()) return true;
     std::FILE* const file = std::fopen(path.c_str(), "w");
     if (file == nullptr) return false;
     std::fputs("t_ns,channel,value\n", file);
-    for (const EventItem& e : events)
+    for (const FeedEvent& e : events)
         std::fprintf(file, "%" PRId64 ",%d,%d\n", e.t_ns, int{e.channel}, int{e.value});
     return std::fclose(file) == 0;
 }

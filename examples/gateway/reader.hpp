@@ -49,7 +49,7 @@ class CurveReader {
     const Counters& counters() const noexcept { return counters_; }
 
     /// The events of this run so far, oldest first.
-    const std::vector<EventItem>& events() const noexcept { return events_; }
+    const std::vector<FeedEvent>& events() const noexcept { return events_; }
 
     /// Spans by number; all are final. drop_before() forgets what is not needed.
     using Spans = std::map<std::uint32_t, port::CurveSpan>;
@@ -74,7 +74,7 @@ class CurveReader {
 
     ReadRegisters read_;
     std::array<Channel, 2> channels_{};
-    std::vector<EventItem> events_{};
+    std::vector<FeedEvent> events_{};
     std::uint32_t next_event_{};
     std::uint32_t epoch_{};
     std::uint16_t status_{};

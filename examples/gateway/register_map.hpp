@@ -312,9 +312,9 @@ inline constexpr auto fields = rows({
 });
 
 inline constexpr auto event_fields = rows({
-    row<Type::i64, &EventItem::t_ns>(0, "t_ns", "ns", "when it happened, on the source's clock"),
-    row<Type::u16, &EventItem::channel>(4, "channel", "", "which button, trigger or contact"),
-    row<Type::u16, &EventItem::value>(5, "value", "", "its new value"),
+    row<Type::i64, &FeedEvent::t_ns>(0, "t_ns", "ns", "when it happened, on the source's clock"),
+    row<Type::u16, &FeedEvent::channel>(4, "channel", "", "which button, trigger or contact"),
+    row<Type::u16, &FeedEvent::value>(5, "value", "", "its new value"),
 });
 
 static_assert(in_order(fields, map_length));

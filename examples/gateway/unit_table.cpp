@@ -49,7 +49,7 @@ void UnitTable::restart(std::uint32_t epoch) noexcept {
 void UnitTable::collect(UnitFeed& feed) noexcept {
     SpanItem span;
     while (feed.spans.pop(span)) append(span);
-    EventItem event;
+    FeedEvent event;
     while (feed.events.pop(event)) append(event);
     feed.state.refresh();
     if (feed.state.value().epoch == view_.epoch) state_ = feed.state.value();
@@ -67,7 +67,7 @@ void UnitTable::append(const SpanItem& item) noexcept {
     reg::put_span(page + reg::page_header + place * reg::span_size, item.span);
 }
 
-void UnitTable::append(const EventItem& item) noexcept {
+void UnitTable::append(const FeedEvent& item) noexcept {
     const std::uint32_t n = events_++;
     const std::uint32_t place = n % reg::events_per_page;
     std::uint16_t* page = registers() + reg::page_address(reg::events_begin, n,

@@ -26,7 +26,7 @@ class UnitTable {
   private:
     void restart(std::uint32_t epoch) noexcept;
     void append(const SpanItem& item) noexcept;
-    void append(const EventItem& item) noexcept;
+    void append(const FeedEvent& item) noexcept;
 
     std::array<std::uint16_t, port::registers::map_length> registers_{};
     std::array<std::uint32_t, 2> spans_{};  // so far, per channel

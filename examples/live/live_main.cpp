@@ -154,7 +154,7 @@ void drain(gateway::UnitFeed& feed) {
     gateway::SpanItem span;
     while (feed.spans.pop(span)) {
     }
-    gateway::EventItem event;
+    gateway::FeedEvent event;
     while (feed.events.pop(event)) {
     }
 }

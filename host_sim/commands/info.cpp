@@ -82,7 +82,7 @@ void print_sensors(const Recording& recording) {
     if (!recording.events.empty()) std::printf("events           %zu\n", recording.events.size());
 }
 
-void print_channel(std::size_t number, const CurveChannel& channel) {
+void print_channel(std::size_t number, const StoredChannel& channel) {
     char name[48];
     std::snprintf(name, sizeof name, "channel %zu, %s", number,
                   channel.rotates ? "rotation" : "vector");

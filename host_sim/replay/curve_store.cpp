@@ -79,15 +79,15 @@ std::size_t CurveTrack::breaks() const {
 
 // ---- channels
 
-bool CurveChannel::empty() const { return pieces() == 0; }
+bool StoredChannel::empty() const { return pieces() == 0; }
 
-bool CurveChannel::covers(std::int64_t t_ns) const {
+bool StoredChannel::covers(std::int64_t t_ns) const {
     return !tracks.empty() && std::all_of(tracks.begin(), tracks.end(), [t_ns](const auto& track) {
         return track.at(t_ns) != nullptr;
     });
 }
 
-std::vector<double> CurveChannel::value(std::int64_t t_ns) const {
+std::vector<double> StoredChannel::value(std::int64_t t_ns) const {
     std::vector<double> out;
     for (const CurveTrack& track : tracks) {
         const CurveTrack::Piece& piece = *track.at(t_ns);
@@ -96,20 +96,20 @@ std::vector<double> CurveChannel::value(std::int64_t t_ns) const {
     return out;
 }
 
-BasicQuat<double> CurveChannel::rotation(std::int64_t t_ns) const {
+BasicQuat<double> StoredChannel::rotation(std::int64_t t_ns) const {
     const CurveTrack::Piece& piece = *tracks.at(0).at(t_ns);
     return normalised(wire::rotation_at(piece.of, piece.ticks(t_ns)));
 }
 
-std::size_t CurveChannel::curves() const { return tracks.empty() ? 0 : tracks[0].curves(); }
-std::size_t CurveChannel::breaks() const {
+std::size_t StoredChannel::curves() const { return tracks.empty() ? 0 : tracks[0].curves(); }
+std::size_t StoredChannel::breaks() const {
     return total(tracks, [](const CurveTrack& t) { return t.breaks(); });
 }
-std::size_t CurveChannel::pieces() const {
+std::size_t StoredChannel::pieces() const {
     return total(tracks, [](const CurveTrack& t) { return t.pieces().size(); });
 }
 
-std::size_t CurveChannel::knots() const {
+std::size_t StoredChannel::knots() const {
     if (tracks.empty()) return 0;
     const std::size_t sum = total(tracks, [](const CurveTrack& t) {
         return t.pieces().size() - t.curves() + (order - 1) * t.breaks();
@@ -117,14 +117,14 @@ std::size_t CurveChannel::knots() const {
     return (sum + tracks.size() - 1) / tracks.size();
 }
 
-std::int64_t CurveChannel::begin_ns() const {
+std::int64_t StoredChannel::begin_ns() const {
     std::int64_t t = std::numeric_limits<std::int64_t>::max();
     for (const CurveTrack& track : tracks)
         if (!track.pieces().empty()) t = std::min(t, track.pieces().front().start_ns);
     return t;
 }
 
-std::int64_t CurveChannel::end_ns() const {
+std::int64_t StoredChannel::end_ns() const {
     std::int64_t t = std::numeric_limits<std::int64_t>::min();
     for (const CurveTrack& track : tracks)
         if (!track.pieces().empty()) t = std::max(t, track.pieces().back().end_ns);
@@ -133,28 +133,28 @@ std::int64_t CurveChannel::end_ns() const {
 
 // ---- runs
 
-const CurveChannel& CurveRun::position() const {
-    static const CurveChannel none{};
-    for (const CurveChannel& channel : channels)
+const StoredChannel& CurveRun::position() const {
+    static const StoredChannel none{};
+    for (const StoredChannel& channel : channels)
         if (!channel.rotates && channel.tracks.size() == 3) return channel;
     return none;
 }
 
-const CurveChannel& CurveRun::orientation() const {
-    static const CurveChannel none{};
-    for (const CurveChannel& channel : channels)
+const StoredChannel& CurveRun::orientation() const {
+    static const StoredChannel none{};
+    for (const StoredChannel& channel : channels)
         if (channel.rotates) return channel;
     return none;
 }
 
 CurvePoint CurveRun::point_at(std::int64_t t_ns) const {
     CurvePoint point;
-    if (const CurveChannel& channel = position(); channel.covers(t_ns)) {
+    if (const StoredChannel& channel = position(); channel.covers(t_ns)) {
         const std::vector<double> p = channel.value(t_ns);
         point.p_m = {p[0], p[1], p[2]};
         point.flags |= flag::position_valid;
     }
-    if (const CurveChannel& channel = orientation(); channel.covers(t_ns)) {
+    if (const StoredChannel& channel = orientation(); channel.covers(t_ns)) {
         point.q = channel.rotation(t_ns);
         point.flags |= flag::orientation_valid;
     }
@@ -169,13 +169,13 @@ bool CurveRun::empty() const {
 
 std::int64_t CurveRun::begin_ns() const {
     std::int64_t t = std::numeric_limits<std::int64_t>::max();
-    for (const CurveChannel& channel : channels) t = std::min(t, channel.begin_ns());
+    for (const StoredChannel& channel : channels) t = std::min(t, channel.begin_ns());
     return t;
 }
 
 std::int64_t CurveRun::end_ns() const {
     std::int64_t t = std::numeric_limits<std::int64_t>::min();
-    for (const CurveChannel& channel : channels) t = std::max(t, channel.end_ns());
+    for (const StoredChannel& channel : channels) t = std::max(t, channel.end_ns());
     return t;
 }
 
@@ -214,7 +214,7 @@ void CurveStore::begin_run() {
     const Decoder::Layout& layout = decoder_.layout();
     for (std::size_t c = 0; c < layout.channels; ++c) {
         const wire::TrackRange& range = layout.channel[c];
-        CurveChannel channel;
+        StoredChannel channel;
         channel.rotates = range.rotates;
         double step = 0;  // the largest: axes may have their own
         for (std::size_t i = 0; i < range.count; ++i)
@@ -230,7 +230,7 @@ void CurveStore::take_frame() {
     const auto keep = [&](const wire::CurvePiece& piece) {
         if (run_begins_) begin_run();
         run_begins_ = false;
-        CurveChannel& channel = runs_.back().channels.at(piece.channel);
+        StoredChannel& channel = runs_.back().channels.at(piece.channel);
         channel.tracks.at(piece.axis).add(piece, decoder_.grid());
         const std::size_t now = decoder_.payload_read();
         if (piece_bytes_.size() <= piece.channel) piece_bytes_.resize(piece.channel + 1u);

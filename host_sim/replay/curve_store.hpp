@@ -51,7 +51,7 @@ class CurveTrack {
 };
 
 /// A channel of a stream: a track for each axis of a vector, one for a rotation.
-struct CurveChannel {
+struct StoredChannel {
     bool rotates{false};
     double tolerance{};  // of the encoder, as the header tells it: in the channel's unit, or rad
     std::vector<CurveTrack> tracks;
@@ -78,10 +78,10 @@ struct CurveRun {
     std::uint32_t index{1};  // of the stream, from 1
     std::uint16_t number{};  // as the board counts them
     std::int64_t tick_ns{};
-    std::vector<CurveChannel> channels;
+    std::vector<StoredChannel> channels;
 
-    const CurveChannel& position() const;     // the first vector of three axes; else an empty one
-    const CurveChannel& orientation() const;  // the first rotation; else an empty one
+    const StoredChannel& position() const;     // the first vector of three axes; else an empty one
+    const StoredChannel& orientation() const;  // the first rotation; else an empty one
     CurvePoint point_at(std::int64_t t_ns) const;
     Pose at(std::int64_t t_ns) const;
     bool empty() const;
@@ -112,8 +112,8 @@ class CurveStore {
     const std::vector<CurveRun>& runs() const { return runs_; }
     /// The run with this index; null: it holds no curve.
     const CurveRun* run(std::uint32_t index) const;
-    const CurveChannel& position() const { return runs_.back().position(); }
-    const CurveChannel& orientation() const { return runs_.back().orientation(); }
+    const StoredChannel& position() const { return runs_.back().position(); }
+    const StoredChannel& orientation() const { return runs_.back().orientation(); }
 
     /// Both curves at a time, of the last run that covers it.
     Pose at(std::int64_t t_ns) const;

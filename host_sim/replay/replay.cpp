@@ -21,10 +21,10 @@ void run(const Recording& recording, Replay& result) {
     run_beam<Beam::medium>(recording, result);
 }
 
-void count(const CurveChannel& (CurveRun::*member)() const, const CurveStore& store,
+void count(const StoredChannel& (CurveRun::*member)() const, const CurveStore& store,
            ChannelResult& out) {
     for (const CurveRun& run : store.runs()) {
-        const CurveChannel& channel = (run.*member)();
+        const StoredChannel& channel = (run.*member)();
         out.curves += channel.curves();
         out.breaks += channel.breaks();
         out.pieces += channel.pieces();

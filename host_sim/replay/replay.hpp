@@ -38,7 +38,7 @@ struct ReplayOptions {
 struct ChannelResult {
     std::size_t samples{};  // records that hold the channel
     std::size_t curves{},
-        knots{};                   // knots: interior ones, with multiplicity; CurveChannel::knots()
+        knots{};  // knots: interior ones, with multiplicity; StoredChannel::knots()
     std::size_t control_points{};  // order + knots, summed over the curves
     std::size_t pieces{};          // of all axes
     std::size_t breaks{};          // jumps within a motion, of all axes
