@@ -23,7 +23,7 @@ namespace fairlead::curve {
 /// |k| of a piece that is no jump, at most.
 inline constexpr std::int32_t cubic_k_max = 1 << 20;
 
-/// State of N components that share their vertices: 1 for an axis of a vector.
+/// State of N components that share their vertices: 1 for an axis of a vector, 3 for a rotation.
 template <std::size_t N>
 struct CubicState {
     std::array<CubicVertex, N> at{};
@@ -77,9 +77,12 @@ constexpr std::size_t length_ratio(std::int32_t h, std::int32_t before) noexcept
 
 /// Weights of travel and bend in the next control point, in 1/64, by length_ratio(). A curve whose
 /// third derivative is 0 has 2 and 11/6; less is likelier because curves turn back. Fitted to
-/// recordings of a tracker.
-inline constexpr std::array<std::int32_t, 3> travel_weight{64 + 49, 64 + 51, 64 + 58};
-inline constexpr std::array<std::int32_t, 3> bend_weight{84, 69, 89};
+/// recordings of a tracker: the axes of positions, and rotations.
+struct ControlWeights {
+    std::array<std::int32_t, 3> travel, bend;
+};
+inline constexpr ControlWeights axis_weights{{64 + 49, 64 + 51, 64 + 58}, {84, 69, 89}};
+inline constexpr ControlWeights rotation_weights{{64 + 61, 64 + 60, 64 + 63}, {66, 51, 98}};
 
 /// The control point expected of component c of a piece of h ticks.
 template <std::size_t N>
@@ -93,8 +96,9 @@ constexpr std::int32_t predicted_control(const CubicState<N>& s, std::size_t c,
     }
     const Ahead to = ahead(s.at[c], h);
     const std::size_t ratio = length_ratio(h, s.last_ticks);
-    const std::int64_t rise = std::int64_t{64} * to.part + travel_weight[ratio] * to.travel +
-                              bend_weight[ratio] * to.bend;
+    const ControlWeights& weights = N == 1 ? axis_weights : rotation_weights;
+    const std::int64_t rise = std::int64_t{64} * to.part + weights.travel[ratio] * to.travel +
+                              weights.bend[ratio] * to.bend;
     return static_cast<std::int32_t>(lattice_near(s.at[c]) +
                                      detail::floored(rise + 32 * fine, 64 * fine));
 }
