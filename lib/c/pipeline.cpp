@@ -131,6 +131,7 @@ fairlead_status fairlead_pipeline_count(const fairlead_pipeline* pipeline,
     out->frames = encoder.frames();
     out->restarts = encoder.restarts();
     out->refused_events = encoder.refused_events();
+    out->given_up = encoder.given_up();
     out->run = encoder.run();
     return FAIRLEAD_OK;
 }

@@ -214,6 +214,7 @@ static void check_stream(const char* path) {
     CHECK(counts.faults.backward_time == 1 && counts.faults.repeated_time == 1 &&
           counts.faults.gap > 0);
     CHECK(counts.sample_period_ns > 0 && counts.frames > 5 && counts.run == 0);
+    CHECK(counts.restarts > 0 && counts.restarts < counts.frames && counts.given_up == 0);
     CHECK(counts.refused_events == (FAIRLEAD_EVENTS_MAX > 0));
     CHECK(refused == 1);
     CHECK(FAIRLEAD_TAKES_SAMPLES || invalid == 40);
