@@ -9,7 +9,9 @@
 // (sub-ticks since the run's base), code, fresh, v, s, rise, anchor, step (StreamDecoder.value).
 "use strict";
 
-const STREAM_VERSION = 4;
+const STREAM_VERSION = 5;
+/// Times that a reader that joins tries, and those of them that need no further check.
+const UNWRAPS = 64, UNWRAPS_NEAR = 4;
 const LENGTHS = [1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 120];
 const TO_END = 16, JUMP = 17, REBASE = 18, LINE = 19;
 const POWERS = [32768, 31379, 30049, 28775, 27555, 26386, 25268, 24196, 23171, 22188, 21248, 20347,
@@ -28,21 +30,35 @@ function crc32(bytes, seed = 0) {
     for (const b of bytes) c = (CRC32[(c ^ b) & 255] ^ (c >>> 8)) >>> 0;
     return ~c >>> 0;
 }
+const CRC16 = Uint16Array.from({length: 256}, (_, i) => {
+    let crc = i << 8;
+    for (let k = 0; k < 8; ++k) crc = crc & 0x8000 ? ((crc << 1) ^ 0x1021) & 0xffff : crc << 1;
+    return crc;
+});
+const CRC16_BACK = new Uint8Array(256);
+CRC16.forEach((crc, i) => { CRC16_BACK[crc & 255] = i; });
 function crc16(bytes, crc) {
-    for (const b of bytes) {
-        crc ^= b << 8;
-        for (let k = 0; k < 8; ++k) crc = crc & 0x8000 ? ((crc << 1) ^ 0x1021) & 0xffff : crc << 1;
+    for (const b of bytes) crc = (crc << 8 & 0xffff) ^ CRC16[crc >> 8 ^ b];
+    return crc;
+}
+/// The start value that makes the check of the frame right: found backwards.
+function startValue(frame) {
+    const n = frame.length;
+    let crc = frame[n - 2] << 8 | frame[n - 1];
+    for (let i = n - 3; i >= 0; --i) {
+        const at = CRC16_BACK[crc & 255];
+        crc = (crc ^ CRC16[at]) >> 8 | (at ^ frame[i]) << 8;
     }
     return crc;
 }
-function checkFits(frame, link) {
-    const key = new DataView(new ArrayBuffer(16));
-    key.setUint32(0, link.digest, true);
-    key.setBigInt64(4, BigInt(link.end), true);
-    key.setUint32(12, link.previous, true);
-    const seed = crc16(new Uint8Array(key.buffer), 0xffff), n = frame.length;
-    return crc16(frame.subarray(0, n - 2), seed) === (frame[n - 2] << 8 | frame[n - 1]);
+const KEY = new DataView(new ArrayBuffer(16)), KEY_BYTES = new Uint8Array(KEY.buffer);
+function linkStart(link) {
+    KEY.setUint32(0, link.digest, true);
+    KEY.setBigInt64(4, BigInt(link.end), true);
+    KEY.setUint32(12, link.previous, true);
+    return crc16(KEY_BYTES, 0xffff);
 }
+function checkFits(frame, link) { return startValue(frame) === linkStart(link); }
 function crcFits(frame, seed) {
     const n = frame.length, told = new DataView(frame.buffer, frame.byteOffset + n - 4, 4);
     return crc32(frame.subarray(0, n - 4), seed) === told.getUint32(0, true);
@@ -128,11 +144,18 @@ class RangeReader {
         return v;
     }
     values(n) {
-        const width = this.raw(5);
+        let width = this.half() ? this.raw(4) + 1 : 0;
+        if (width === 16) width += this.raw(4);
         return Array.from({length: n}, () => {
             const size = this.raw(width);
             return size > 0 && this.half() ? -size : size;
         });
+    }
+    /// Places of a vector, told against its origin.
+    places(origin) {
+        const v = this.values(origin.length).map((x, i) => x + origin[i]);
+        if (v.some((x) => Math.abs(x) > 2 ** 30)) throw new Nonsense("places");
+        return v;
     }
     uniform(n) {
         const highs = n <= 4096 ? n : Math.ceil(n / 256), width = Math.floor(32768 / highs);
@@ -143,8 +166,13 @@ class RangeReader {
         if (v >= n) throw new Nonsense("uniform");
         return v;
     }
-    grid(step) {
+    grid(step, origin) {
         const most = gridSize(step);
+        if (!this.half()) {
+            const n = this.values(3).map((x, i) => x + origin.n[i]);
+            if (n.some((x) => Math.abs(x) > most)) throw new Nonsense("grid");
+            return {largest: origin.largest, n};
+        }
         return {largest: this.raw(2), n: [0, 0, 0].map(() => this.uniform(2 * most + 1) - most)};
     }
     /// A BigInt.
@@ -326,23 +354,29 @@ class Header {
             }
             return v;
         };
-        this.streamId = view.getUint16(1, true);
-        this.run = view.getUint16(3, true);
-        this.baseNs = view.getBigInt64(5, true);
-        at = 13;
+        const zigzag = () => {
+            const z = varying();
+            return z & 1n ? -((z + 1n) / 2n) : z / 2n;
+        };
+        this.streamId = Number(varying());
+        this.run = Number(varying());
+        this.baseNs = zigzag();
         this.subNs = Number(varying());
         const form = byte();
         this.timeBits = (form & 31) + 1;
         this.independent = form > 127;
         this.usual = byte();
+        this.restartFrames = byte();
         this.channels = Array.from({length: (form >> 5 & 3) + 1}, () => {
             const what = byte(), count = (what & 7) + 1, rotates = what > 127;
-            const tolerance = (byte() | byte() << 8) / 32768;
+            const tolerance = ((rotates ? 36409 : 27307) + Number(zigzag())) / 32768;
             const steps = Array.from({length: what & 8 ? count : 1}, () => {
                 const m = 256 + byte();
                 return f(m * 2 ** view.getInt8(at++));
             });
-            return {rotates, kind: what >> 4 & 7, axes: count, tolerance, live: false, hidden: false,
+            const told = Array.from({length: count}, () => Number(zigzag()));
+            const origin = rotates ? {largest: told[0] & 3, n: [told[0] >> 2, told[1], told[2]]} : told;
+            return {origin, rotates, kind: what >> 4 & 7, axes: count, tolerance, live: false, hidden: false,
                     over: false, steps: steps.length === 1 ? Array(count).fill(steps[0]) : steps,
                     tracks: Array.from({length: rotates ? 1 : count}, () => new Track(rotates ? 3 : 1))};
         });
@@ -433,7 +467,8 @@ class StreamDecoder {
         const header = new Header(payload);
         if (header.starts || this.header === null || header.digest !== this.header.digest) {
             this.header = header;
-            this.link = header.starts ? {digest: header.digest, end: header.end, previous: 0} : null;
+            const {digest, end} = header;
+            this.link = header.starts ? {digest, end, previous: 0, since: 0} : null;
             this.near = header.end;
             this.told.run(header);
         }
@@ -463,11 +498,12 @@ class StreamDecoder {
         return -1;
     }
     linkBehind(frame, end, restart, before) {
-        return {digest: this.header.digest, end, previous: crc32(frame, restart ? 0 : before.previous)};
+        return {digest: this.header.digest, end, previous: crc32(frame, restart ? 0 : before.previous),
+                since: restart ? 0 : before.since + 1};
     }
     follows(data, at, frame, link, count, first = false) {
         let head;
-        if (!this.attempt(() => { head = this.head(StreamDecoder.io(frame), link.end, false); }))
+        if (!this.attempt(() => { head = this.head(StreamDecoder.io(frame), link, false); }))
             return false;
         if (first && head.restart && !this.header.independent) return false;
         return this.chain(data, at, this.linkBehind(frame, head.end, head.restart, link), count, first);
@@ -483,12 +519,26 @@ class StreamDecoder {
     }
     joinable(data, p, frame) {
         let head;
-        if (!this.attempt(() => { head = this.head(StreamDecoder.io(frame), this.near, true); }))
-            return null;
-        for (let i = 0; i < 4; ++i) {
-            const turn = i * 64 * 2 ** this.header.timeBits;
-            if (this.chain(data, p + frame.length, this.linkBehind(frame, head.end + turn, true, null), 2, true))
+        const link = {end: this.near, since: 0};
+        if (!this.attempt(() => { head = this.head(StreamDecoder.io(frame), link, true); })) return null;
+        const next = this.dataFrameFrom(data, p + frame.length);
+        if (next === null) return null;
+        const start = startValue(next), behind = this.linkBehind(frame, head.end, true, null);
+        for (let i = 0; i < UNWRAPS; ++i) {
+            const turn = i * 64 * 2 ** this.header.timeBits, then = {...behind, end: head.end + turn};
+            if (linkStart(then) !== start) continue;
+            if (this.chain(data, p + frame.length, then, i < UNWRAPS_NEAR ? 2 : 3, true))
                 return (this.header.independent ? head.start : head.end) + turn;
+        }
+        return null;
+    }
+    /// The data frame at `at`, or behind header and event frames there.
+    dataFrameFrom(data, at) {
+        while (at < data.length) {
+            const size = frameSize(data, at);
+            if (size <= 0 || at + size > data.length) return null;
+            if (data[at] < 0xf8) return data.subarray(at, at + size);
+            at += size;
         }
         return null;
     }
@@ -507,10 +557,13 @@ class StreamDecoder {
         if (v === 0 || n < 0 || n > 255) throw new Nonsense("ticks");
         return n;
     }
-    head(io, before, joining) {
-        const independent = this.header.independent, restart = independent || io.flag(1, 2);
-        if (joining && !restart) throw new Nonsense("no restart frame");
-        let jump = 0;
+    head(io, link, joining) {
+        const {independent, restartFrames} = this.header, before = link.end;
+        let restart = independent, jump = 0;
+        if (!independent) {
+            const due = restartFrames > 0 && link.since + 1 >= restartFrames;
+            restart = io.flag(1, 4) !== due || joining;
+        }
         if (io.flag(1, 5)) {
             const high = io.golomb(0);
             jump = high * 65536 + io.raw(16);
@@ -529,7 +582,8 @@ class StreamDecoder {
 
     dataFrame(frame, reading, before) {
         const io = StreamDecoder.io(frame), joining = reading !== "in step";
-        const head = this.head(io, before, joining), {independent, channels} = this.header;
+        const link = joining ? {end: before, since: 0} : this.link;
+        const head = this.head(io, link, joining), {independent, channels} = this.header;
         const restart = head.restart && !independent, ticks = (head.end - head.start) / 64;
         if (joining) {
             for (const c of channels) {
@@ -585,11 +639,11 @@ class StreamDecoder {
         c.goesOn = io.flag(15, 4) ? usual : !usual;
         c.told = null;
         if (c.goesOn && (restart || (independent && c.rotates)))
-            c.told = c.rotates ? io.grid(c.steps[0]) : io.values(c.axes);
+            c.told = c.rotates ? io.grid(c.steps[0], c.origin) : io.places(c.origin);
     }
     startTold(io, c, reading) {
-        const anchor = c.rotates ? fromGrid(io.grid(c.steps[0]), c.steps[0]) : null;
-        const v = c.rotates ? [0, 0, 0] : io.values(c.axes), s = io.values(c.rotates ? 3 : c.axes);
+        const anchor = c.rotates ? fromGrid(io.grid(c.steps[0], c.origin), c.steps[0]) : null;
+        const v = c.rotates ? [0, 0, 0] : io.places(c.origin), s = io.values(c.rotates ? 3 : c.axes);
         c.tracks.forEach((t, i) => {
             const tv = c.rotates ? v : [v[i]], ts = c.rotates ? s : [s[i]];
             if (reading === "in step" && (String(t.v) !== String(tv) || String(t.s) !== String(ts) ||
@@ -610,8 +664,8 @@ class StreamDecoder {
         c.last = c.goesOn ? ticks : c.first + io.uniform(ticks + 1 - c.first);
         if (!c.live) {
             c.tracks = c.tracks.map((t) => new Track(t.n));
-            if (c.rotates) c.tracks[0].anchor = fromGrid(io.grid(c.steps[0]), c.steps[0]);
-            else io.values(c.axes).forEach((v, i) => { c.tracks[i].v = [v]; });
+            if (c.rotates) c.tracks[0].anchor = fromGrid(io.grid(c.steps[0], c.origin), c.steps[0]);
+            else io.places(c.origin).forEach((v, i) => { c.tracks[i].v = [v]; });
         }
     }
     pieces(io, pieces, channel, c, axis, t, frameStart) {

@@ -62,9 +62,10 @@ wire::Header header_of(fuzz::Input& in) {
     const unsigned form = in.byte();
     s.base_ns = in.byte() * std::int64_t{1} << 55;
     s.timing.sub_ns = 1u + (std::uint32_t{in.byte()} << 20);
-    s.timing.time_bits = static_cast<std::uint8_t>(8 + form % 25);
+    s.timing.time_bits = static_cast<std::uint8_t>(5 + form % 28);
     s.timing.independent = (form & 32u) != 0;
     s.timing.usual_ticks = static_cast<std::uint8_t>(in.byte() | 1);
+    s.timing.restart_frames = form % 4;
     for (const bool rotates : {false, true}) {
         if ((form & (rotates ? 64u : 128u)) != 0 && s.channels + rotates > 0) continue;
         wire::ChannelShape& c = s.channel[s.channels++];
@@ -89,17 +90,17 @@ void framed(fuzz::Input& in) {
         return told;
     };
     push(wire::write_header(header, bytes));
-    wire::Link link{0, header.digest, 0};
+    wire::Link link;
     while (!in.empty()) {
         const std::size_t size = 1 + in.byte() % 60u;
         bytes[0] = static_cast<std::uint8_t>(size);
         for (std::size_t i = 1; i <= size; ++i) bytes[i] = in.byte();
-        append_crc16(bytes, 1 + size, wire::seed(link));
+        append_crc16(bytes, 1 + size, wire::seed(header.digest, link));
         code::RangeDecoder io{bytes + 1, size};
         wire::FrameHead head;
-        if (!wire::code_head(io, head, header.shape.timing, link.end)) continue;
+        if (!wire::code_head(io, head, header.shape.timing, link.end, link.since)) continue;
         const std::uint32_t digest = wire::digest_of(bytes, size + 3, head.restart, link);
-        if (push(size + 3)) link = {head.end, header.digest, digest};
+        if (push(size + 3)) link = {head.end, digest, wire::since_behind(link.since, head.restart)};
         if (!decoder.in_step()) break;
     }
     finish(decoder);

@@ -100,13 +100,13 @@ Octets spoiled(const Stream& stream, fuzz::Input& in) {
     Octets bytes = stream.bytes;
     wire::Header header;
     read_header(bytes.data(), wire::frame_size(bytes[0], bytes[1]), header);
-    wire::Link link{header.end, header.digest, 0};
+    wire::Link link{header.end, 0, 0};
     for (const DataFrame& frame : stream.frames) {
         std::uint8_t* const first = bytes.data() + frame.at;
         if (in.byte() % 4 == 0)
             for (int n = 1 + in.byte() % 3; n > 0; --n)
                 first[1 + in.byte() % (frame.size - 3)] ^= in.byte();
-        std::uint16_t check = wire::seed(link);
+        std::uint16_t check = wire::seed(header.digest, link);
         for (std::size_t i = 0; i + 2 < frame.size; ++i) check = crc16(first[i], check);
         first[frame.size - 2] = static_cast<std::uint8_t>(check >> 8);
         first[frame.size - 1] = static_cast<std::uint8_t>(check & 0xFF);

@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     o.usual_ticks = 8;
     o.jumps = 0.3;
     o.size = 40;
-    o.restart_every = 2;
+    o.restart_every = o.restart_frames = 2;
     o.sub_ns = 1953;
     o.time_bits = 22;
     o.base_ns = 1'700'000'000'123'456'789;
@@ -74,13 +74,15 @@ int main(int argc, char** argv) {
     o.base_ns = -5;
     write(folder + "vector_ends.bin", random_stream(o, 5, 30));
     o = {};
-    o.restart_every = 3;
+    o.restart_every = o.restart_frames = 3;
+    o.time_bits = 6;
     o.usual_ticks = 120;
     o.size = 1;
     o.jumps = 0;
     write(folder + "lost.bin", random_stream(o, 6, 40, true));
     // two runs in one stream: the board was reset, then its clock leaped
     o = {};
+    o.restart_frames = 0;
     ByteVector runs = random_stream(o, 7, 12);
     append(runs, random_stream(o, 7, 12));
     o.run = 2;

@@ -4,6 +4,7 @@
 stream_decoder.py FILE prints one line for each run, piece and event. It shares nothing with the library but the
 page and its tables; tests/golden and tests/sim hold the two to the same numbers.
 """
+import functools
 import json
 import pathlib
 import struct
@@ -11,7 +12,8 @@ import sys
 import zlib
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs"
-VERSION = 4
+VERSION = 5
+UNWRAPS, UNWRAPS_NEAR = 64, 4  # times that a reader that joins tries; those that need no further check
 LENGTHS = [1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 120]
 TO_END, JUMP, REBASE, LINE = 16, 17, 18, 19
 POWERS = [32768, 31379, 30049, 28775, 27555, 26386, 25268, 24196, 23171, 22188, 21248, 20347, 19484, 18658, 17867, 17109]
@@ -35,17 +37,35 @@ def load_tables():
 
 # ---- checks
 
+def crc16_of(byte):
+    crc = byte << 8
+    for _ in range(8):
+        crc = (crc << 1 ^ 0x1021) & 0xffff if crc & 0x8000 else crc << 1
+    return crc
+
+
+CRC16 = [crc16_of(byte) for byte in range(256)]
+CRC16_BACK = {crc & 0xff: byte for byte, crc in enumerate(CRC16)}
+
+
 def crc16(data, crc):
     for byte in data:
-        crc ^= byte << 8
-        for _ in range(8):
-            crc = (crc << 1 ^ 0x1021) & 0xffff if crc & 0x8000 else crc << 1
+        crc = (crc << 8 & 0xffff) ^ CRC16[crc >> 8 ^ byte]
+    return crc
+
+
+@functools.lru_cache(maxsize=4096)
+def start_value(frame):
+    """The start value that makes the check of the frame right: found backwards."""
+    crc = frame[-2] << 8 | frame[-1]
+    for byte in reversed(frame[:-2]):
+        i = CRC16_BACK[crc & 0xff]
+        crc = (crc ^ CRC16[i]) >> 8 | (i ^ byte) << 8
     return crc
 
 
 def check_fits(frame, link):
-    seed = crc16(struct.pack("<IqI", *link), 0xffff)
-    return crc16(frame[:-2], seed) == frame[-2] << 8 | frame[-1]
+    return crc16(struct.pack("<IqI", *link[:3]), 0xffff) == start_value(frame)
 
 
 def frame_size(data, at):
@@ -131,11 +151,21 @@ class RangeDecoder:
         return v
 
     def values(self, n):
-        width, out = self.raw(5), []
+        width, out = 0, []
+        if self.half():
+            width = self.raw(4) + 1
+            if width == 16:
+                width += self.raw(4)
         for _ in range(n):
             size = self.raw(width)
             out.append(-size if size and self.half() else size)
         return out
+
+    def places(self, origin):
+        v = [a + b for a, b in zip(origin, self.values(len(origin)))]
+        if max(map(abs, v)) > 1 << 30:
+            raise Nonsense("places")
+        return v
 
     def uniform(self, n):
         highs = n if n <= 4096 else -(-n // 256)
@@ -150,8 +180,13 @@ class RangeDecoder:
             raise Nonsense("uniform")
         return v
 
-    def grid(self, step):
+    def grid(self, step, origin):
         most = grid_size(step)
+        if not self.half():
+            n = [a + b for a, b in zip(origin[1], self.values(3))]
+            if max(map(abs, n)) > most:
+                raise Nonsense("grid")
+            return origin[0], n
         return self.raw(2), [self.uniform(2 * most + 1) - most for _ in range(3)]
 
     def sized(self, bits, most):
@@ -372,11 +407,16 @@ class Track:
 # ---- the stream
 
 class Channel:
-    def __init__(self, rotates, kind, axes, tolerance, steps):
+    def __init__(self, rotates, kind, axes, tolerance, steps, origin):
         self.rotates, self.kind, self.axes, self.tolerance = rotates, kind, axes, tolerance
         self.step = [f32(m * 2.0 ** e) for m, e in steps]
+        self.origin = (origin[0] & 3, [origin[0] >> 2] + origin[1:]) if rotates else origin
         self.tracks = [Track(3)] if rotates else [Track(1) for _ in range(axes)]
         self.live, self.hidden, self.grid = False, False, None
+
+
+def unfolded(z):
+    return -(z + 1) // 2 if z & 1 else z // 2
 
 
 class Header:
@@ -384,17 +424,16 @@ class Header:
         if payload[0] != VERSION:
             raise Nonsense(f"the stream has version {payload[0]} of the format; this reader knows version {VERSION}")
         self.at, self.data = 1, payload
-        self.stream_id, self.run = self.number(2), self.number(2)
-        self.base_ns = struct.unpack("<q", struct.pack("<Q", self.number(8)))[0]
+        self.stream_id, self.run = self.varying(), self.varying()
+        self.base_ns = self.zigzag()
         self.sub_ns = self.varying()
         form = self.number(1)
         self.time_bits, self.independent = (form & 31) + 1, form > 127
-        self.usual = self.number(1)
+        self.usual, self.restart_frames = self.number(1), self.number(1)
         self.channels = [self.channel() for _ in range((form >> 5 & 3) + 1)]
         self.digest = zlib.crc32(payload[:self.at])
         place = self.varying()
-        self.starts, end = bool(place & 1), place >> 1
-        self.end = -(end + 1) // 2 if end & 1 else end // 2
+        self.starts, self.end = bool(place & 1), unfolded(place >> 1)
 
     def number(self, n):
         self.at += n
@@ -409,8 +448,12 @@ class Header:
             if byte < 128:
                 return v
 
+    def zigzag(self):
+        return unfolded(self.varying())
+
     def channel(self):
-        form, tolerance = self.number(1), self.number(2)
+        form = self.number(1)
+        tolerance = (36409 if form > 127 else 27307) + self.zigzag()
         count = (form & 7) + 1
         steps = []
         for _ in range(count if form & 8 else 1):
@@ -418,7 +461,8 @@ class Header:
             steps.append((m, e - 256 if e > 127 else e))
         if len(steps) == 1:
             steps *= count
-        return Channel(form > 127, form >> 4 & 7, count, tolerance / 32768, steps)
+        origin = [self.zigzag() for _ in range(count)]
+        return Channel(form > 127, form >> 4 & 7, count, tolerance / 32768, steps, origin)
 
 
 class Decoder:
@@ -460,7 +504,7 @@ class Decoder:
         if header.starts or self.header is None or header.digest != self.header.digest:
             self.header = header
             self.runs += 1
-            self.link = (header.digest, header.end, 0) if header.starts else None
+            self.link = (header.digest, header.end, 0, 0) if header.starts else None
             self.near = header.end
             self.told(f"run {header.run} stream {header.stream_id} base {header.base_ns} sub {header.sub_ns}")
         return True
@@ -488,12 +532,13 @@ class Decoder:
         return len(data)
 
     def next_link(self, frame, end, restart, before):
-        return (self.header.digest, end, zlib.crc32(frame, 0 if restart else before[2]))
+        since = 0 if restart else before[3] + 1
+        return (self.header.digest, end, zlib.crc32(frame, 0 if restart else before[2]), since)
 
     def follows(self, data, at, frame, link, count=1, first=False):
         """Do the checks of `count` frames behind this one fit? first: it follows a restart frame."""
         try:
-            _, end, restart = self.head(RangeDecoder(frame[1:-2]), link[1])
+            _, end, restart = self.head(RangeDecoder(frame[1:-2]), link)
         except Nonsense:
             return False
         if first and restart and not self.header.independent:
@@ -516,11 +561,12 @@ class Decoder:
     def joinable(self, data, p, frame):
         """The time that a restart frame tells, where its followers agree."""
         try:
-            start, end, restart = self.head(RangeDecoder(frame[1:-2]), self.near, True)
+            start, end, _ = self.head(RangeDecoder(frame[1:-2]), (0, self.near, 0, 0), True)
         except Nonsense:
             return None
-        for _ in range(4 if restart else 0):
-            if self.chain(data, p + len(frame), self.next_link(frame, end, True, None), 2, True):
+        for i in range(UNWRAPS):
+            checks = 2 if i < UNWRAPS_NEAR else 3
+            if self.chain(data, p + len(frame), self.next_link(frame, end, True, None), checks, True):
                 return start if self.header.independent else end
             start, end = (x + (64 << self.header.time_bits) for x in (start, end))
         return None
@@ -550,10 +596,12 @@ class Decoder:
             raise Nonsense("ticks")
         return n
 
-    def head(self, io, before, joining=False):
-        restart = self.header.independent or io.flag(1, 2)
-        if joining and not restart:
-            raise Nonsense("no restart frame")
+    def head(self, io, link, joining=False):
+        _, before, _, since = link
+        restart = self.header.independent
+        if not restart:
+            due = 0 < self.header.restart_frames <= since + 1
+            restart = io.flag(1, 4) != due or joining
         jump = 0
         if io.flag(1, 5):
             high = io.golomb(0)
@@ -575,7 +623,7 @@ class Decoder:
     def data_frame(self, frame, reading, before=None):
         io = RangeDecoder(frame[1:-2])
         joining = reading != "in step"
-        start, end, restart = self.head(io, before if joining else self.link[1], joining)
+        start, end, restart = self.head(io, (0, before, 0, 0) if joining else self.link, joining)
         channels, ticks = self.header.channels, (end - start) // 64
         independent = self.header.independent
         tells, restart = restart, restart and not independent
@@ -628,14 +676,14 @@ class Decoder:
         c.goes_on = usual if io.flag(15, 4) else not usual
         c.told = None
         if c.goes_on and (restart or independent and c.rotates):
-            c.told = io.grid(c.step[0]) if c.rotates else io.values(c.axes)
+            c.told = io.grid(c.step[0], c.origin) if c.rotates else io.places(c.origin)
 
     def start_told(self, io, c, reading):
         if c.rotates:
-            grid, slopes = io.grid(c.step[0]), io.values(3)
+            grid, slopes = io.grid(c.step[0], c.origin), io.values(3)
             states = [([0] * 3, slopes, from_grid(grid, c.step[0]))]
         else:
-            v, s = io.values(c.axes), io.values(c.axes)
+            v, s = io.places(c.origin), io.values(c.axes)
             states = [([a], [b], c.tracks[0].anchor) for a, b in zip(v, s)]
         for t, state in zip(c.tracks, states):
             if reading == "in step" and (t.v, t.s, t.anchor) != state:
@@ -655,10 +703,10 @@ class Decoder:
         c.last = ticks if c.goes_on else c.first + io.uniform(ticks + 1 - c.first)
         if c.starts and c.rotates:
             c.tracks = [Track(3)]
-            c.tracks[0].anchor = from_grid(io.grid(c.step[0]), c.step[0])
+            c.tracks[0].anchor = from_grid(io.grid(c.step[0], c.origin), c.step[0])
         elif c.starts:
             c.tracks = [Track(1) for _ in range(c.axes)]
-            for t, v in zip(c.tracks, io.values(c.axes)):
+            for t, v in zip(c.tracks, io.places(c.origin)):
                 t.v = [v]
 
     def pieces(self, io, lines, number, c, axis, t, start, restart, independent):

@@ -262,7 +262,7 @@ def test_a_stream_of_another_format_is_refused_by_its_version(folder):
     size = 2 + data[1]
     data[size:size + 4] = zlib.crc32(data[:size]).to_bytes(4, "little")
     stream.write_bytes(data)
-    expect(1, "info", stream, says="version 9; this program reads version 4")
+    expect(1, "info", stream, says="version 9; this program reads version 5")
     expect(1, "decode", stream, "--at", trk, "--out", out, says="version 9")
 
 

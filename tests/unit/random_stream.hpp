@@ -23,7 +23,8 @@ struct Options {
     std::uint32_t usual_ticks{60};
     std::uint8_t time_bits{13}, kind{1};
     bool independent{false};
-    unsigned restart_every{4};  // frames; 0: never
+    unsigned restart_every{4};   // frames; 0: never
+    unsigned restart_frames{4};  // likewise, as the header tells it
     double jumps{0.02}, ends{0.02};
     int size{2};  // of k
     bool position{true}, orientation{true};
@@ -37,7 +38,8 @@ class RandomStream {
         shape_.run = options.run;
         shape_.base_ns = options.base_ns;
         shape_.timing = {options.sub_ns, options.time_bits, options.independent,
-                         static_cast<std::uint8_t>(options.usual_ticks)};
+                         static_cast<std::uint8_t>(options.usual_ticks),
+                         static_cast<std::uint8_t>(options.restart_frames)};
         if (options.position) add_channel(wire::ChannelType::vector, 0.0012f);
         if (options.orientation) add_channel(wire::ChannelType::orientation, 0.0039f);
         begin_run(0);
@@ -46,6 +48,7 @@ class RandomStream {
     void begin_run(std::int64_t end) {
         wire::Header header{shape_, 0, end, true};
         digest_of(header);
+        digest_ = header.digest;
         writer_.begin_run(shape_, header.digest, end);
         frame_ = 0;
     }
@@ -85,6 +88,7 @@ class RandomStream {
         if (size == 0) return refuse(before);
         return {writer_.data(), writer_.data() + size};
     }
+    std::uint32_t digest() const { return digest_; }
     const Writer& writer() const { return writer_; }
     const wire::StreamShape& shape() const { return shape_; }
     std::size_t refused() const { return refused_; }
@@ -103,6 +107,11 @@ class RandomStream {
         c.tolerance = 54614;
         const curve::Scale scale = curve::Scale::of_step(step);
         c.step.fill(scale);
+        if (type == wire::ChannelType::vector)
+            c.origin = {100, -2000, 3000};
+        else
+            wire::put_origin(c, curve::to_grid(normalised(Quat{1, 0.1f, -0.5f, 0.3f}),
+                                               scale.template step<float>()));
         ++shape_.channels;
         static_cast<void>(layout_.take(shape_));
     }
@@ -146,12 +155,19 @@ class RandomStream {
         if (layout_.channel[c].rotates) {
             Quat q{1, unit(), unit(), unit()};
             writer_.first.grid[0] = curve::to_grid(normalised(q), layout_.step(0));
+            if (chance(0.5)) {  // near the origin
+                writer_.first.grid[0] = layout_.turn_origin[0];
+                writer_.first.grid[0].n[1] =
+                    static_cast<std::int16_t>(writer_.first.grid[0].n[1] + below(41) - 20);
+            }
             writer_.states.rotation[0] = {curve::from_grid(writer_.first.grid[0], layout_.step(0)),
                                           {}};
         } else {
-            for (auto& axis : writer_.states.axis) {
-                axis = {};
-                axis.v[0] = static_cast<std::int32_t>(unit() * 3000);
+            const bool at_origin = chance(0.2);
+            for (std::size_t i = 0; i < 3; ++i) {
+                writer_.states.axis[i] = {};
+                writer_.states.axis[i].v[0] =
+                    at_origin ? layout_.origin[i] : static_cast<std::int32_t>(unit() * 3000);
             }
         }
     }
@@ -256,6 +272,7 @@ class RandomStream {
     std::vector<curve::Piece<3>> turns_;
     curve::GridQuat grid_{};
     unsigned frame_{0};
+    std::uint32_t digest_{0};
     std::size_t refused_{0};
 };
 

@@ -109,7 +109,7 @@ class RangeDecoder {
 
     constexpr RangeDecoder() = default;
     constexpr RangeDecoder(const std::uint8_t* data, std::size_t size) noexcept
-        : data_{data}, size_{size} {
+        : data_{data}, size_{static_cast<std::uint16_t>(size)} {
         for (int i = 0; i < 4; ++i) code_ = code_ << 8 | byte(at_++);
     }
 
@@ -163,7 +163,7 @@ class RangeDecoder {
     }
 
     const std::uint8_t* data_{nullptr};
-    std::size_t size_{0}, at_{0};
+    std::uint16_t size_{0}, at_{0};  // a payload has fewer than 256 bytes
     std::uint32_t code_{0}, range_{0xffffffffu};
 };
 

@@ -45,7 +45,7 @@ class RotationChannel {
     static constexpr std::size_t parts = 1;
     static constexpr std::size_t components = 3;
     static constexpr Cost column_bits_max = jump_bits_max(3);
-    static constexpr Cost start_bits_max = 50 + 77;  // a place of the grid, and the frame's jump
+    static constexpr Cost start_bits_max = 51 + 79;  // a place of the grid, and the frame's jump
     Cost next_column_bits(std::size_t more) const noexcept {
         const std::size_t samples = samples_.count() - newest_column_.samples + more;
         return jump_bits_max(3, samples > 0 ? samples : 1) + (starts_ ? start_bits_max : 0);

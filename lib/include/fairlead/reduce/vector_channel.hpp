@@ -44,7 +44,7 @@ class VectorChannel {
     /// of the closest samples.
     static constexpr Cost column_bits_max = D * jump_bits_max(1);
     /// Bits that tell where a curve starts: values, and the frame's jump to that time.
-    static constexpr Cost start_bits_max = 5 + 27 * D + 77;
+    static constexpr Cost start_bits_max = 9 + 27 * D + 79;
     /// What the next column may add, with `more` samples than there are now, and what the start of
     /// the curve costs.
     Cost next_column_bits(std::size_t more) const noexcept {

@@ -19,7 +19,7 @@ namespace fairlead::wire {
 
 /// The version of the stream's format. It has nothing to do with the library's version: any change
 /// of bytes, tables or arithmetic that a decoder must know raises it (docs/stream.md, Versions).
-inline constexpr std::uint8_t stream_version = 4;
+inline constexpr std::uint8_t stream_version = 5;
 
 inline constexpr std::size_t payload_max = 247;
 inline constexpr std::size_t check_size = 2;
@@ -39,12 +39,18 @@ constexpr std::size_t frame_size(std::uint8_t first, std::uint8_t second) noexce
     return 0;
 }
 
-/// The place of a frame in its stream: all that must agree between sender and reader.
+/// The place of a frame in its stream: all that must agree between sender and reader, beside the
+/// digest of the header.
 struct Link {
     std::int64_t end{0};        // sub-ticks since the run's base: where the frame before ended
-    std::uint32_t header{0};    // CRC-32 of the header frame's fixed part
     std::uint32_t previous{0};  // digest of the data frame before; 0: the run's first
+    std::uint8_t since{0};      // frames since the latest restart frame or the run's start
 };
+
+/// The number of frames since a restart frame, behind one more frame.
+constexpr std::uint8_t since_behind(std::uint8_t since, bool restart) noexcept {
+    return static_cast<std::uint8_t>(restart ? 0 : since < 255 ? since + 1 : 255);
+}
 
 /// Digest of a data frame: CRC-32 of its bytes behind those of the frames before, back to the
 /// latest restart frame. So the checks of both its followers vouch for a restart frame.
@@ -54,11 +60,10 @@ inline std::uint32_t digest_of(const std::uint8_t* frame, std::size_t size, bool
 }
 
 /// The start value of the CRC-16 of the frame at this place: CRC-16 over header, end and previous
-/// as 4 + 8 + 4 bytes, little-endian, from 0xFFFF.
-constexpr std::uint16_t seed(const Link& link) noexcept {
+/// as 4 + 8 + 4 bytes, little-endian, from 0xFFFF. header: CRC-32 of the header's fixed part.
+constexpr std::uint16_t seed(std::uint32_t header, const Link& link) noexcept {
     std::uint16_t crc = 0xffff;
-    for (unsigned i = 0; i < 32; i += 8)
-        crc = crc16(static_cast<std::uint8_t>(link.header >> i), crc);
+    for (unsigned i = 0; i < 32; i += 8) crc = crc16(static_cast<std::uint8_t>(header >> i), crc);
     const auto end = static_cast<std::uint64_t>(link.end);
     for (unsigned i = 0; i < 64; i += 8) crc = crc16(static_cast<std::uint8_t>(end >> i), crc);
     for (unsigned i = 0; i < 32; i += 8)

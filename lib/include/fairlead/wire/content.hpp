@@ -194,9 +194,11 @@ class Content {
                            PlacesType& at) noexcept {
         if (Layout::turns(range)) {
             if constexpr (Rotations > 0)
-                return detail::code_grid(io, at.grid[range.first], layout.step(range.first));
+                return detail::code_grid(io, at.grid[range.first], layout.turn_origin[range.first],
+                                         layout.step(range.first));
         } else if constexpr (Axes > 0) {
-            return detail::code_values(io, &at.value[range.first], range.count);
+            return detail::code_values(io, &at.value[range.first], &layout.origin[range.first],
+                                       range.count);
         }
         return false;
     }
@@ -286,7 +288,7 @@ class Content {
             const curve::StateView state = states.track(range, i);
             for (std::size_t k = 0; k < state.n; ++k) s[n++] = state.s[k];
         }
-        if (!detail::code_values(io, s.data(), n)) return false;
+        detail::code_values(io, s.data(), n);
         n = 0;
         bool good = true;
         for (std::size_t i = 0; i < range.count; ++i) {

@@ -110,8 +110,8 @@ class Decoder {
     /// Bytes of the latest frame's payload that next() has read: what the pieces told so far cost.
     std::size_t payload_read() const noexcept { return io_.taken(); }
     /// Of the latest frame, in sub-ticks.
-    std::int64_t frame_start() const noexcept { return head_.start; }
-    std::int64_t frame_end() const noexcept { return head_.end; }
+    std::int64_t frame_start() const noexcept { return frame_start_; }
+    std::int64_t frame_end() const noexcept { return frame_start_ + frame_ticks_ * sub_per_tick; }
     /// The state at the end of the latest frame: equal in all readers that are in step.
     const States& states() const noexcept { return states_; }
     Refused refused() const noexcept { return refused_; }
@@ -197,7 +197,7 @@ class Decoder {
                                 : lone() ? Reading::lone
                                          : Reading::joining;
         Places<Axes, Rotations> first;
-        return code_head(io_, head, frames_.timing(), frame.before, joins) &&
+        return code_head(io_, head, frames_.timing(), frame.before, frame.since, joins) &&
                content_.open(io_, layout_, walk_, head, frames_.timing().independent, reading,
                              first);
     }
@@ -227,7 +227,8 @@ class Decoder {
             frames_.refuse_frame();
             return false;
         }
-        head_ = head;
+        frame_start_ = head.start;
+        frame_ticks_ = static_cast<std::uint8_t>((head.end - head.start) / sub_per_tick);
         states_ = end;
         point_ = 0;
         if (joins) pending_ = 0xffff;
@@ -240,16 +241,14 @@ class Decoder {
     /// chain is believed.
     void check_chain() noexcept {
         const auto& chain = frames_.chain();
-        Frame frame = frames_.chain_frame(checked_);
-        const bool first = checked_ == 0, joins = first && chain.joins;
-        frame.before = first ? chain.base : checked_end_;
+        const Frame frame = frames_.chain_frame(checked_);
+        const bool first = checked_ == 0, joins = first && chain.joins();
         States end;
         FrameHead head;
         const bool good = open(frame, joins, first ? states_ : walk_, head) && run(joins, end);
         frames_.spend(frame.size);
         counters_.nonsense += !good;
         walk_ = end;
-        checked_end_ = head.end;
         if (good && ++checked_ < chain.count) return;
         checked_ = 0;
         good ? frames_.accept() : frames_.refuse();
@@ -297,7 +296,7 @@ class Decoder {
             piece.code = curve::code::jump;
             piece.begins = lone && take_pending(channel, track);
             piece.ends = true;
-            piece.start = head_.start + (lone ? frame.start_tick * sub_per_tick : 0);
+            piece.start = frame_start_ + (lone ? frame.start_tick * sub_per_tick : 0);
             piece.end = piece.start;
             return true;
         }
@@ -313,7 +312,7 @@ class Decoder {
         curve::Piece<3> next;
         content_.piece(io_, layout_, walk_, next.code, next.subs, next.k.data());
         if (next.code == curve::code::rebase) return false;
-        const std::int64_t last = head_.start + frame.end_tick * sub_per_tick;
+        const std::int64_t last = frame_start_ + frame.end_tick * sub_per_tick;
         piece.start = last - place.left;
         piece.end = piece.start + next.subs;
         piece.code = next.code;
@@ -362,15 +361,15 @@ class Decoder {
         }
     }
 
-    std::int64_t checked_end_{0};  // where the frames of a chain that were checked so far end
-    std::uint8_t point_{0}, checked_{0};
+    std::int64_t frame_start_{0};  // of the latest frame
+    std::uint8_t frame_ticks_{0}, point_{0};
+    std::uint8_t checked_{0};  // frames of a chain that make sense
     Step step_{Step::none};
     Refused refused_{Refused::nothing};
     bool chosen_{false};
     std::uint16_t pending_{0};  // tracks whose next piece begins a curve, as far as it was told
     std::uint16_t stream_id_{0}, run_{0};
     std::uint32_t run_index_{0};
-    FrameHead head_{};
     curve::Grid grid_{};
     code::RangeDecoder io_{};
     Counters counters_{};

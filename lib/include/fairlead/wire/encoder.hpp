@@ -211,14 +211,14 @@ class Encoder {
     static constexpr std::size_t out_max =
         2 * (data_frame_max + header_max) + EventSender<Events>::frame_max;
     /// Bits of a frame beside its pieces and what its curves tell where they start, at most. Head:
-    /// restart 2, ticks 3 + 17, time 42, flag of the jump 1; of a channel: flags 13, two ticks 17,
-    /// and its end: 27 for each axis of a vector, 50 for a rotation. An independent frame tells as
-    /// much at its start, and slopes: 27 for each axis, 77 for a rotation. The coder's end: 20.
+    /// restart 4, ticks 3 + 17, time 42, flag of the jump 1; of a channel: flags 13, two ticks 17,
+    /// and its end: 9 and 27 for each axis of a vector, 51 for a rotation. An independent frame
+    /// tells as much at its start, and slopes: 27 for each axis, 82 for a rotation. The coder's
+    /// end: 20.
     static constexpr std::size_t overhead_bits(bool independent) noexcept {
-        std::size_t bits = 65 + 20 + 30 * channel_count + 50 * rotations;
-        bits += (0 + ... + (Channels::axes > 0 ? 5 + 27 * Channels::axes : 0));
-        if (independent) bits += 127 * rotations;
-        if (independent) bits += (0 + ... + (Channels::axes > 0 ? 5 + 27 * Channels::axes : 0));
+        constexpr std::size_t ends = (0 + ... + (Channels::axes > 0 ? 9 + 27 * Channels::axes : 0));
+        std::size_t bits = 67 + 20 + 30 * channel_count + 51 * rotations + ends;
+        if (independent) bits += 133 * rotations + ends;
         return bits;
     }
 
@@ -254,7 +254,7 @@ class Encoder {
         rotations * exact_bits(3, 17, code::costs<Kind, 3>.length[curve::code::jump]);
     // such a frame tells no ends of vectors; where curves start, none tells its state before
     static constexpr std::size_t exact_overhead_bits =
-        (std::max)(overhead_bits(true), 85 + 30 * channel_count + start_bits);
+        (std::max)(overhead_bits(true), 87 + 30 * channel_count + start_bits);
     static_assert(8 * payload_max >= exact_overhead_bits + exact_stretch_bits,
                   "a frame that is given up has a way on");
 
@@ -288,7 +288,7 @@ class Encoder {
         const bool rises = r.t_ns > now_ns_;
         if (r.new_run || !running_ || !rises || reducer_.ended_behind(r.t_ns)) {
             if (running_ && !end_curves()) return wait(r);
-            begin_run(r.t_ns);
+            begin_run(r);
         }
         const auto drain = [this] { return finish_frame(); };
         const reduce::Taken taken =
@@ -316,7 +316,8 @@ class Encoder {
 
     // ---- runs
 
-    void begin_run(std::int64_t t_ns) noexcept {
+    void begin_run(const Record& r) noexcept {
+        const std::int64_t t_ns = r.t_ns;
         running_ = true;
         ++run_;
         grid_ = curve::Grid::of_period(t_ns, period_ns_);
@@ -330,8 +331,9 @@ class Encoder {
         s.timing.time_bits = time_bits();
         s.timing.independent = params_.restart_interval_ns == every_frame_ns;
         s.timing.usual_ticks = static_cast<std::uint8_t>(window_records(params_.delay_records) - 1);
+        s.timing.restart_frames = restart_frames();
         s.channels = channel_count;
-        describe(s, std::index_sequence_for<Channels...>{});
+        describe(s, r, std::index_sequence_for<Channels...>{});
         header_.starts = true;
         header_ns_ = restart_ns_ = t_ns;
         restart_after_ns_ =
@@ -342,7 +344,7 @@ class Encoder {
         events_.repeat();
     }
     template <std::size_t... Index>
-    void describe(StreamShape& shape, std::index_sequence<Index...>) noexcept {
+    void describe(StreamShape& shape, const Record& r, std::index_sequence<Index...>) noexcept {
         const auto one = [&](auto index, bool turns, std::size_t count) {
             constexpr std::size_t i = decltype(index)::value;
             ChannelShape& c = shape.channel[i];
@@ -357,17 +359,38 @@ class Encoder {
                 const float up = ratio < 65534.0f ? ratio + 1.0f : 65535.0f;
                 c.tolerance = (std::max)(c.tolerance, static_cast<std::uint16_t>(up));
             }
+            if ((r.valid >> i & 1u) != 0) set_origin(c, std::get<i>(r.values));
         };
         (one(std::integral_constant<std::size_t, Index>{}, Channels::rotations > 0, Channels::axes),
          ...);
     }
-    /// Bits of a time that, with the tries of a reader, tell it within two header intervals; within
-    /// lost_ns_max where there is one header only.
+    /// Absolute values are told against the run's first ones.
+    static void set_origin(ChannelShape& c, const Quat& q) noexcept {
+        put_origin(c, curve::to_grid(normalised(q), c.step[0].template step<float>()));
+    }
+    template <std::size_t D>
+    static void set_origin(ChannelShape& c, const std::array<float, D>& value) noexcept {
+        for (std::size_t a = 0; a < D; ++a)
+            c.origin[a] = static_cast<std::int32_t>(
+                (c.step[a].to_fine(value[a]) + curve::fine / 2) >> curve::fine_bits);
+    }
+    /// Frames from a restart frame to the next where all have their usual length.
+    std::uint8_t restart_frames() const noexcept {
+        const std::int64_t interval = params_.restart_interval_ns;
+        const std::int64_t frame_ns =
+            grid_.tick_ns() * std::int64_t{header_.shape.timing.usual_ticks};
+        if (interval == every_frame_ns || interval / frame_ns > 255) return 0;
+        return static_cast<std::uint8_t>((std::max)(std::int64_t{2}, interval / frame_ns));
+    }
+    /// Bits of a time that, with the tries of a reader, tell it within two header intervals and
+    /// join_ns_max; within lost_ns_max where there is one header only.
     std::uint8_t time_bits() const noexcept {
         const std::int64_t interval = params_.header_interval_ns;
-        const std::int64_t reach_ns = interval == never_ns ? lost_ns_max / 2 : interval;
-        const std::int64_t ticks = 2 * (reach_ns / grid_.tick_ns() + 1);
-        std::uint8_t bits = 8;
+        const std::int64_t reach_ns = interval == never_ns          ? lost_ns_max
+                                      : interval <= join_ns_max / 2 ? 2 * interval
+                                                                    : join_ns_max;
+        const std::int64_t ticks = reach_ns / grid_.tick_ns() + 2;
+        std::uint8_t bits = 5;
         while (bits < 32 && (std::int64_t{unwraps} << bits) < ticks) ++bits;
         return bits;
     }

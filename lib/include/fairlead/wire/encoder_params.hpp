@@ -13,6 +13,9 @@ namespace fairlead::wire {
 
 /// Never: no restart frames, or no header frames but the first.
 inline constexpr std::int64_t never_ns = (std::numeric_limits<std::int64_t>::max)();
+/// A reader that lost so much of a stream finds its time at the next restart frame; one that lost
+/// more, at the next header.
+inline constexpr std::int64_t join_ns_max = 30'000'000'000;
 /// A stream with one header only: a reader that lost so much of it finds its time again.
 inline constexpr std::int64_t lost_ns_max = 480'000'000'000;
 /// Restart interval of a stream whose frames all decode alone.

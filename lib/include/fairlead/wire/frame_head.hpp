@@ -17,8 +17,9 @@ inline constexpr std::int64_t sub_per_tick = 64;
 inline constexpr std::uint32_t frame_ticks_max = 255;
 /// The longest pause between two frames of a run, in sub-ticks; beyond it a new run begins.
 inline constexpr std::int64_t jump_max = std::int64_t{1} << 44;
-/// A reader that joins tries so many times that have the low bits that it was told.
-inline constexpr int unwraps = 4;
+/// A reader that joins tries so many times that have the low bits that it was told; for those
+/// beyond the first `unwraps_near` it asks for one check more.
+inline constexpr int unwraps = 64, unwraps_near = 4;
 /// Sub-ticks of a run at most, on both sides of its base.
 inline constexpr std::int64_t run_max = std::int64_t{1} << 56;
 
@@ -26,6 +27,11 @@ struct FrameHead {
     std::int64_t start{0}, end{0};  // sub-ticks since the run's base
     bool restart{false};  // a reader may join at its end, by the absolute values that it carries
 };
+
+/// Is the frame behind `since` others likely a restart frame?
+constexpr bool restart_due(const FrameTiming& timing, std::uint8_t since) noexcept {
+    return timing.restart_frames > 0 && since + 1u >= timing.restart_frames;
+}
 
 namespace detail {
 
@@ -49,6 +55,14 @@ constexpr void code_time(Io& io, std::int64_t& time, unsigned bits, std::int64_t
     if (bits < 32) low &= (1u << bits) - 1u;
     io.bits(low, bits);
     if (!Io::writes) time = unwrap(low, bits, from - sub) + sub;
+}
+
+/// Whether the frame is a restart frame: mostly when one is due.
+template <class Io>
+constexpr void code_restart(Io& io, bool& restart, bool due, bool joining) noexcept {
+    bool unusual = restart != due;
+    io.flag(unusual, 1, 4);
+    restart = joining || unusual != due;
 }
 
 /// Ticks of the frame: usual, or the difference as a signed number.
@@ -88,18 +102,18 @@ constexpr bool code_jump(Io& io, std::int64_t& jump) noexcept {
 
 }  // namespace detail
 
-/// Writes or reads the head. `before`: end of the frame before. A reader that does not know it
-/// (joining) gives the latest time that it knows to have passed; then a restart frame tells its end
-/// and an independent one both times, others nothing. @return false: nonsense.
+/// Writes or reads the head. `before`: end of the frame before; `since`: frames since the latest
+/// restart frame. A reader that does not know them (joining) gives the latest time that it knows to
+/// have passed, and reads the frame as a restart frame, which tells its end, or as an independent
+/// one, which tells both times. @return false: nonsense.
 template <class Io>
 constexpr bool code_head(Io& io, FrameHead& head, const FrameTiming& timing, std::int64_t before,
-                         bool joining = false) noexcept {
+                         std::uint8_t since, bool joining = false) noexcept {
     auto ticks = static_cast<std::uint32_t>((head.end - head.start) / sub_per_tick);
     if (timing.independent)
         head.restart = true;
     else
-        io.flag(head.restart, 1, 2);
-    if (joining && !head.restart) return false;
+        detail::code_restart(io, head.restart, restart_due(timing, since), joining);
     std::int64_t jump = head.start - before;
     if (!detail::code_jump(io, jump)) return false;
     if (!Io::writes) head.start = before + jump;

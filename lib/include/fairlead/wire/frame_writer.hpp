@@ -25,7 +25,8 @@ class FrameWriter {
         static_cast<void>(layout_.take(shape));
         timing_ = shape.timing;
         states = {};
-        link_ = {end, digest, 0};
+        header_ = digest;
+        link_ = {end, 0, 0};
     }
 
     /// What the frame to open says of the channels; the caller fills channel, told and
@@ -37,7 +38,7 @@ class FrameWriter {
     bool open(const FrameHead& head) noexcept {
         head_ = head;
         io_ = {bytes_.data() + 1, payload_max};
-        return code_head(io_, head_, timing_, link_.end) &&
+        return code_head(io_, head_, timing_, link_.end, link_.since) &&
                coder_.open(io_, layout_, states, head_, timing_.independent, Reading::in_step,
                            first);
     }
@@ -54,10 +55,10 @@ class FrameWriter {
         if (!io_.ok() || size > payload_max) return 0;
         coder_.close(layout_, states);
         bytes_[0] = static_cast<std::uint8_t>(size);
-        append_crc16(bytes_.data(), 1 + size, seed(link_));
+        append_crc16(bytes_.data(), 1 + size, seed(header_, link_));
         const std::size_t all = 1 + size + check_size;
-        link_.previous = digest_of(bytes_.data(), all, head_.restart, link_);
-        link_.end = head_.end;
+        link_ = {head_.end, digest_of(bytes_.data(), all, head_.restart, link_),
+                 since_behind(link_.since, head_.restart)};
         return all;
     }
     const std::uint8_t* data() const noexcept { return bytes_.data(); }
@@ -79,6 +80,7 @@ class FrameWriter {
 
     Layout layout_{};
     FrameTiming timing_{};
+    std::uint32_t header_{0};  // digest of the run's header
     Link link_{};
     FrameHead head_{};
     Coder coder_{};

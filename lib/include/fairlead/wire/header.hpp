@@ -4,13 +4,16 @@
 // so a header of another stream, run or device never decodes anything.
 //
 //   0xF8 | size | fixed part | end | CRC-32 of all before
-//   fixed part  version 1, stream id 2, run 2, base_ns 8, sub_ns v,
+//   fixed part  version 1, stream id v, run v, base_ns z, sub_ns v,
 //               form 1: bits 0-4 time bits less 1, 5-6 channels less 1, 7 independent frames,
-//               usual ticks of a frame 1, then for each channel
+//               usual ticks of a frame 1, usual frames from restart to restart 1,
+//               then for each channel
 //               form 1: bits 0-2 axes less 1, 3 a step for each axis, 4-6 kind, 7 orientation,
-//               tolerance over step 2, steps: mantissa less 256 1, exponent 1
+//               tolerance over step, less the usual one, z,
+//               steps: mantissa less 256 1, exponent 1, origin: z for each axis
 //   end         v: 2 zigzag(end of the latest data frame) + 1 where the run begins behind
-// Numbers are little-endian; v: 7 bits a byte, bit 7 says that more follow (docs/stream.md).
+// v: 7 bits a byte, the lowest first, bit 7 says that more follow; z: v of a signed number, zigzag
+// (docs/stream.md).
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -22,6 +25,9 @@
 namespace fairlead::wire {
 
 inline constexpr std::size_t channels_max = 4, axes_max = 8;
+/// An origin takes at most 4 bytes.
+inline constexpr std::int32_t origin_max = (1 << 27) - 1;
+static_assert(origin_max >= curve::value_steps_max);
 
 enum class ChannelType : std::uint8_t { none = 0, vector = 1, orientation = 2 };
 
@@ -32,6 +38,9 @@ struct ChannelShape {
     std::uint8_t axes{0};        // 3 for an orientation
     std::uint16_t tolerance{0};  // over the step, in 1/32768, rounded up
     std::array<curve::Scale, axes_max> step{};  // of each axis; orientation: all three alike
+    /// What absolute values are told against, in lattice steps; |o| <= origin_max. Of an
+    /// orientation: its place on the grid, 4 n + index of the largest component, n, n.
+    std::array<std::int32_t, axes_max> origin{};
 
     constexpr bool own_steps() const noexcept {
         bool own = false;
@@ -44,9 +53,10 @@ struct ChannelShape {
 /// What the head of a frame needs to know of its stream.
 struct FrameTiming {
     std::uint32_t sub_ns{0};      // a sub-tick; a tick has 64
-    std::uint8_t time_bits{8};    // low bits of the time, in ticks, that a restart carries: 8 to 32
+    std::uint8_t time_bits{8};    // low bits of the time, in ticks, that a restart carries: 5 to 32
     bool independent{false};      // each frame decodes alone
     std::uint8_t usual_ticks{0};  // of a frame
+    std::uint8_t restart_frames{0};  // usually from a restart frame to the next; 0: none is usual
 };
 
 /// What a stream is: the fixed part of its header frame.
@@ -66,15 +76,28 @@ struct Header {
     bool starts{false};       // the run begins behind this header frame
 };
 
+/// Tolerance over step, in 1/32768, of the lattices that encoders choose (curve/scale.hpp): it is
+/// told against these.
+inline constexpr std::int32_t vector_tolerance_usual = 27'307, rotation_tolerance_usual = 36'409;
+
 /// Bytes of a header frame with so many channels and steps at most.
 constexpr std::size_t header_size_max(std::size_t channels, std::size_t steps) noexcept {
-    return 2 + (13 + 5 + 2) + 3 * channels + 2 * steps + 10 + crc_size;
+    return 2 + (1 + 3 + 3 + 10 + 5 + 3) + 4 * channels + (2 + 4) * steps + 10 + crc_size;
 }
 inline constexpr std::size_t header_frame_max =
     header_size_max(channels_max, channels_max* axes_max);
 static_assert(header_frame_max <= long_frame_max);
 
 namespace detail {
+/// Signed numbers as unsigned ones, small for small sizes: 0 -1 1 -2 2 ...
+constexpr std::uint64_t folded(std::int64_t v) noexcept {
+    const auto bits = static_cast<std::uint64_t>(v);
+    return bits >> 63 ? ~(bits << 1) : bits << 1;
+}
+constexpr std::int64_t unfolded(std::uint64_t v) noexcept {
+    return static_cast<std::int64_t>(v & 1u ? ~(v >> 1) : v >> 1);
+}
+
 /// Little-endian numbers in order, to memory or from it: each call gives what now stands there.
 struct ByteWriter {
     static constexpr bool writes = true;
@@ -90,6 +113,13 @@ struct ByteWriter {
         for (; rest >> 7 != 0; rest >>= 7)
             number(static_cast<std::uint32_t>(rest & 0x7fu) | 0x80u, 1);
         number(static_cast<std::uint32_t>(rest), 1);
+        return v;
+    }
+    constexpr std::int64_t zigzag(std::int64_t v) noexcept {
+        varying(folded(v));
+        return v;
+    }
+    static constexpr std::int64_t within(std::int64_t v, std::int64_t, std::int64_t) noexcept {
         return v;
     }
 };
@@ -118,6 +148,12 @@ struct ByteReader {
         }
         return v;
     }
+    constexpr std::int64_t zigzag(std::int64_t) noexcept { return unfolded(varying(0)); }
+    /// The number, where it is between `least` and `most`; else the header is nonsense.
+    constexpr std::int64_t within(std::int64_t v, std::int64_t least, std::int64_t most) noexcept {
+        good = good && v >= least && v <= most;
+        return v;
+    }
 };
 
 template <class Io>
@@ -129,7 +165,9 @@ constexpr void code_channel(Io& io, ChannelShape& c) noexcept {
     c.type = form >> 7 ? ChannelType::orientation : ChannelType::vector;
     c.axes = static_cast<std::uint8_t>((form & 7u) + 1u);
     c.kind = static_cast<std::uint8_t>(form >> 4 & 7u);
-    c.tolerance = static_cast<std::uint16_t>(io.number(c.tolerance, 2));
+    const std::int64_t usual = turns != 0 ? rotation_tolerance_usual : vector_tolerance_usual;
+    c.tolerance =
+        static_cast<std::uint16_t>(io.within(usual + io.zigzag(c.tolerance - usual), 0, 0xffff));
     for (std::size_t i = 0; i < c.axes; ++i) {
         if (i > 0 && (form & 8u) == 0) {
             c.step[i] = c.step[0];
@@ -139,17 +177,25 @@ constexpr void code_channel(Io& io, ChannelShape& c) noexcept {
         const std::uint32_t e = io.number(static_cast<std::uint8_t>(c.step[i].e), 1);
         c.step[i].e = static_cast<std::int8_t>(e);
     }
+    for (std::size_t i = 0; i < c.axes; ++i)
+        c.origin[i] =
+            static_cast<std::int32_t>(io.within(io.zigzag(c.origin[i]), -origin_max, origin_max));
+}
+
+/// A number of 16 bits in 1 to 3 bytes.
+template <class Io>
+constexpr std::uint16_t code_short_number(Io& io, std::uint16_t v) noexcept {
+    const std::uint64_t told = io.varying(v);
+    return static_cast<std::uint16_t>(
+        io.within(static_cast<std::int64_t>(told >> 17 ? 0x10000u : told), 0, 0xffff));
 }
 
 /// The fixed part behind its version.
 template <class Io>
 constexpr void code_shape(Io& io, StreamShape& s) noexcept {
-    s.stream_id = static_cast<std::uint16_t>(io.number(s.stream_id, 2));
-    s.run = static_cast<std::uint16_t>(io.number(s.run, 2));
-    const auto base = static_cast<std::uint64_t>(s.base_ns);
-    const std::uint64_t low = io.number(static_cast<std::uint32_t>(base), 4);
-    const std::uint64_t high = io.number(static_cast<std::uint32_t>(base >> 32), 4);
-    s.base_ns = static_cast<std::int64_t>(high << 32 | low);
+    s.stream_id = code_short_number(io, s.stream_id);
+    s.run = code_short_number(io, s.run);
+    s.base_ns = io.zigzag(s.base_ns);
     const std::uint64_t sub = io.varying(s.timing.sub_ns);
     s.timing.sub_ns = sub >> 32 ? 0 : static_cast<std::uint32_t>(sub);
     const std::uint32_t form = io.number(
@@ -159,23 +205,22 @@ constexpr void code_shape(Io& io, StreamShape& s) noexcept {
     s.channels = static_cast<std::uint8_t>((form >> 5 & 3u) + 1u);
     s.timing.independent = form >> 7 != 0;
     s.timing.usual_ticks = static_cast<std::uint8_t>(io.number(s.timing.usual_ticks, 1));
+    s.timing.restart_frames = static_cast<std::uint8_t>(io.number(s.timing.restart_frames, 1));
     for (std::size_t i = 0; i < s.channels; ++i) code_channel(io, s.channel[i]);
 }
 
 /// Where the stream is, and whether its run begins there.
 template <class Io>
 constexpr void code_place(Io& io, Header& h) noexcept {
-    const auto bits = static_cast<std::uint64_t>(h.end);
-    const std::uint64_t zigzag = bits >> 63 ? ~(bits << 1) : bits << 1;
-    const std::uint64_t told = io.varying(zigzag << 1 | (h.starts ? 1u : 0u));
+    const std::uint64_t told = io.varying(folded(h.end) << 1 | (h.starts ? 1u : 0u));
     h.starts = (told & 1u) != 0;
-    h.end = static_cast<std::int64_t>(told & 2u ? ~(told >> 2) : told >> 2);
+    h.end = unfolded(told >> 1);
 }
 }  // namespace detail
 
 /// Can a decoder follow such a stream? What a channel's step must hold is checked by its decoder.
 constexpr bool sane(const StreamShape& s) noexcept {
-    bool good = s.timing.sub_ns > 0 && s.timing.time_bits >= 8 && s.timing.usual_ticks > 0;
+    bool good = s.timing.sub_ns > 0 && s.timing.time_bits >= 5 && s.timing.usual_ticks > 0;
     for (std::size_t i = 0; i < s.channels; ++i) {
         const ChannelShape& c = s.channel[i];
         good = good && c.kind > 0 && (c.type == ChannelType::vector || c.axes == 3);

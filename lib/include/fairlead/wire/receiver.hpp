@@ -35,7 +35,9 @@ class Receiver {
     static constexpr unsigned places_tried = 8;
     static constexpr std::size_t restarts_tried = 6, skips_max = 2;
     static constexpr std::uint8_t trust_max = 4;
-    static constexpr std::uint64_t trust_ns = std::uint64_t{1} << 41;
+    // 2^41 ns in units of 2^10 ns
+    static constexpr unsigned trust_unit_bits = 10;
+    static constexpr std::uint32_t trust_units = std::uint32_t{1} << 31;
 
     /// What find() found.
     enum class Found : std::uint8_t {
@@ -47,22 +49,32 @@ class Receiver {
     };
     struct Frame {
         const std::uint8_t* data{nullptr};
-        std::size_t size{0};
-        std::int64_t before{0};  // what code_head() needs to read the head
+        std::uint16_t size{0};
+        std::uint8_t since{0};  // what code_head() needs to read the head, as `before`
+        std::int64_t before{0};
         constexpr const std::uint8_t* payload() const noexcept { return data + 1; }
-        constexpr std::size_t payload_size() const noexcept { return size - 1 - check_size; }
+        constexpr std::size_t payload_size() const noexcept { return size - 1u - check_size; }
+    };
+    /// How a chain begins.
+    enum class Start : std::uint8_t {
+        follows,       // with the frame behind the latest that was believed
+        restart,       // with a restart frame that a reader takes its state from
+        late_restart,  // likewise, and its time is one of the later tries: a third check must fit
     };
     /// Frames of which each fits the one before, not yet believed.
     struct Chain {
         Link link{};           // behind the newest
-        std::int64_t base{0};  // to read the first one's head: where the frame before it ended; of
-                               // one that joins the end of its restart frame, or what tells it
+        std::int64_t base{0};  // of one that joins: the end of its restart frame, or what tells it
         std::array<std::uint16_t, 3> at{};
         std::uint8_t count{0};
-        bool joins{false};  // the first one is a restart frame that a reader takes its state from
+        Start start{Start::follows};
 
+        constexpr bool joins() const noexcept { return start != Start::follows; }
         /// Checks that fit: of all frames but the one at which a reader joins.
-        constexpr int checks() const noexcept { return count - joins; }
+        constexpr int checks() const noexcept { return count - joins(); }
+        constexpr bool complete() const noexcept {
+            return checks() >= 2 && start != Start::late_restart;
+        }
     };
     struct Counters {
         std::uint32_t frames{0};      // data frames that were believed
@@ -113,7 +125,7 @@ class Receiver {
     void follow_header(const FrameTiming& timing, std::uint32_t digest, std::int64_t end,
                        bool begins) noexcept {
         timing_ = timing;
-        if (header_known_ && digest == link_.header && !begins && end >= near_) {
+        if (header_known_ && digest == header_ && !begins && end >= near_) {
             // restart frames before this header may still be waiting for their followers: a time
             // that was passed long ago is good as long as the tries reach from there to now
             const std::int64_t reach = (unwraps / 2) * (sub_per_tick << timing.time_bits);
@@ -121,8 +133,14 @@ class Receiver {
             return;
         }
         if (in_step_ && !begins) lose_step();
-        link_ = {end, digest, 0};
+        header_ = digest;
+        link_ = {end, 0, 0};
         near_ = end;
+        for (std::size_t i = 0; i < turned_.size(); ++i) {
+            const std::int64_t turns = (std::int64_t{2} << i) - 1;
+            turned_[i] =
+                static_cast<std::uint16_t>(seed(digest, {turns * turn(), 0, 0}) ^ seed(digest, {}));
+        }
         header_known_ = true;
         known_ = in_step_ = begins;
         start_search();
@@ -131,14 +149,28 @@ class Receiver {
     }
 
     const Chain& chain() const noexcept { return chains_[found_]; }
-    Frame chain_frame(std::size_t i) const noexcept { return frame_at(chain().at[i]); }
+    /// Frame i of the chain.
+    Frame chain_frame(std::size_t i) const noexcept {
+        Frame frame = frame_at(chain().at[0]);
+        frame.before = chain().joins() ? chain().base : link_.end;
+        frame.since = link_.since;
+        for (std::size_t k = 1; k <= i && k < chain().at.size(); ++k) {
+            FrameHead head;
+            read_head(frame, head, k == 1 && chain().joins());
+            const std::uint8_t since = since_behind(frame.since, head.restart);
+            frame = frame_at(chain().at[k]);
+            frame.before = head.end;
+            frame.since = since;
+        }
+        return frame;
+    }
     /// The chain is believed: its frames come one after another by find().
     void accept() noexcept {
         queue() = Chain{chain()};
         const std::size_t last = queue().at[queue().count - 1u];
         front_ = static_cast<std::uint16_t>(last + size_at(last));
         joined_ = queue().count;
-        counters_.joins += queue().joins;
+        counters_.joins += queue().joins();
         known_ = in_step_ = true;
         chain_found_ = false;
     }
@@ -155,7 +187,7 @@ class Receiver {
     bool in_step() const noexcept { return in_step_; }
     bool trusted() const noexcept { return trust_ > 0; }
     const Counters& counters() const noexcept { return counters_; }
-    std::uint32_t header_digest() const noexcept { return link_.header; }
+    std::uint32_t header_digest() const noexcept { return header_; }
     const FrameTiming& timing() const noexcept { return timing_; }
 
   private:
@@ -165,7 +197,7 @@ class Receiver {
     static constexpr std::size_t room_made = 8, capacity = 3 * data_frame_max + room_made + 2;
     // what work costs, in units: a place behind its CRC, a restart frame that is tried, a byte of a
     // frame that is parsed
-    static constexpr std::int32_t units_place = 16, units_restart = 100, units_parsed = 32;
+    static constexpr std::int32_t units_place = 16, units_restart = 110, units_parsed = 32;
 
     static bool fits(std::uint16_t a, std::uint16_t b) noexcept {
         return ((a ^ b) & check_mask) == 0;
@@ -173,16 +205,20 @@ class Receiver {
     std::size_t size_at(std::size_t at) const noexcept {
         return frame_size(bytes_[at], at + 1 < size_ ? bytes_[at + 1] : 0);
     }
-    Frame frame_at(std::size_t at) const noexcept { return {&bytes_[at], size_at(at), 0}; }
-    bool read_head(const Frame& frame, FrameHead& head, std::int64_t before,
-                   bool joining) const noexcept {
+    Frame frame_at(std::size_t at) const noexcept {
+        return {&bytes_[at], static_cast<std::uint16_t>(size_at(at)), 0, 0};
+    }
+    bool read_head(const Frame& frame, FrameHead& head, bool joining) const noexcept {
         code::RangeDecoder io{frame.payload(), frame.payload_size()};
-        return code_head(io, head, timing_, before, joining);
+        return code_head(io, head, timing_, frame.before, frame.since, joining);
     }
     static Link link_behind(const Frame& frame, const FrameHead& head,
                             const Link& before) noexcept {
-        return {head.end, before.header, digest_of(frame.data, frame.size, head.restart, before)};
+        return {head.end, digest_of(frame.data, frame.size, head.restart, before),
+                since_behind(before.since, head.restart)};
     }
+    /// Sub-ticks after which a time has the same low bits again.
+    std::int64_t turn() const noexcept { return sub_per_tick << timing_.time_bits; }
     void spend_units(std::size_t units) noexcept { work_ -= static_cast<std::int32_t>(units); }
 
     /// The frames that are believed next: as they are delivered, chains_[0] loses them.
@@ -191,11 +227,21 @@ class Receiver {
     /// Does the data frame at p, whose check has the start value s, follow the chain? Then it is
     /// its newest.
     bool append(Chain& c, std::size_t p, std::uint16_t s) noexcept {
-        const Frame frame = frame_at(p);
+        return fits(s, seed(header_, c.link)) && extend(c, p);
+    }
+    /// The same where the check is known to fit.
+    bool extend(Chain& c, std::size_t p) noexcept {
+        Frame frame = frame_at(p);
         FrameHead head;
-        if (!fits(s, seed(c.link)) || !read_head(frame, head, c.link.end, false)) return false;
+        frame.before = c.link.end;
+        frame.since = c.link.since;
+        if (!read_head(frame, head, false)) return false;
         // a second restart frame would leave the first one with a single check
-        if (c.joins && c.checks() == 0 && head.restart && !timing_.independent) return false;
+        if (c.joins() && c.checks() == 0 && head.restart && !timing_.independent) return false;
+        if (c.count == c.at.size()) {  // its check was asked for: the frame itself comes later
+            c.start = Start::restart;
+            return true;
+        }
         c.at[c.count++] = static_cast<std::uint16_t>(p);
         c.link = link_behind(frame, head, c.link);
         return true;
@@ -234,22 +280,25 @@ class Receiver {
     Found deliver() noexcept {
         Chain& c = queue();
         frame_ = frame_at(c.at[0]);
-        joining_ = c.joins;
-        frame_.before = c.joins ? c.base : link_.end;
+        joining_ = c.joins();
+        frame_.before = joining_ ? c.base : link_.end;
+        frame_.since = link_.since;
         FrameHead head;
-        read_head(frame_, head, frame_.before, c.joins);
+        read_head(frame_, head, joining_);
         release_ = static_cast<std::uint16_t>(c.at[0] + frame_.size);
         c.at = {c.at[1], c.at[2], 0};
-        c.joins = false;
+        c.start = Start::follows;
         --c.count;
         if (joined_ > 0) {
             --joined_;
             spend(2 * frame_.size);
         }
         const auto lasted = static_cast<std::uint64_t>(head.end - head.start);
-        if (trust_ < trust_max) trusted_ns_ += lasted * timing_.sub_ns;
-        if (trusted_ns_ >= trust_ns) {
-            trusted_ns_ = 0;
+        if (trust_ < trust_max)
+            trusted_ += static_cast<std::uint32_t>(
+                (std::min)(lasted * timing_.sub_ns >> trust_unit_bits, std::uint64_t{trust_units}));
+        if (trusted_ >= trust_units) {
+            trusted_ = 0;
             ++trust_;
         }
         link_ = link_behind(frame_, head, link_);
@@ -262,9 +311,8 @@ class Receiver {
         in_step_ = false;
         ++counters_.losses;
         if (trust_ > 0) --trust_;
-        trusted_ns_ = 0;
-        start_search();
-        queue().base = link_.end;  // of a frame that waits one check fits, the next may come
+        trusted_ = 0;
+        start_search();  // of a frame that waits one check fits, the next may come
     }
     /// Looks for frames from front_ on.
     void start_search() noexcept {
@@ -285,11 +333,11 @@ class Receiver {
         const bool header = data[0] == header_head;
         if (!header && !header_known_) return Found::nothing;
         const std::size_t sealed = size - crc_size;
-        const std::uint32_t crc = crc32(data, sealed, header ? 0 : link_.header);
+        const std::uint32_t crc = crc32(data, sealed, header ? 0 : header_);
         for (std::size_t i = 0; i < crc_size; ++i)
             if (data[sealed + i] != static_cast<std::uint8_t>(crc >> (8 * i)))
                 return Found::nothing;
-        frame_ = {data, size, 0};
+        frame_ = {data, static_cast<std::uint16_t>(size), 0, 0};
         counters_.good_bytes += size;
         return header ? Found::header : Found::events;
     }
@@ -384,14 +432,13 @@ class Receiver {
     bool try_data(std::size_t p, std::uint16_t s) noexcept {
         for (Chain& c : chains_) {
             if (c.count == 0 || !behind(p, c.at[c.count - 1u]) || !append(c, p, s)) continue;
-            if (c.checks() < 2) continue;
+            if (!c.complete()) continue;
             found_ = static_cast<std::uint8_t>(&c - chains_.data());
             return true;
         }
         if (known_) {
             Chain c;
             c.link = link_;
-            c.base = link_.end;
             if (append(c, p, s)) free_chain() = c;
         }
         try_restarts(p, s);
@@ -411,28 +458,35 @@ class Receiver {
                     const std::size_t r = place_before(from, ends[next]);
                     if (r == from) break;
                     ends[known++] = static_cast<std::uint16_t>(from = r);
-                    if (may_restart(r)) try_restart(r, p, s);
+                    try_restart(r, p, s);
                 }
             }
         }
     }
-    /// The first decision of a restart frame stands in the first byte of its payload.
-    bool may_restart(std::size_t at) const noexcept {
-        return timing_.independent || bytes_[at + 1] >= 0xBF;
-    }
+    /// Every frame may be a restart frame. The start values of its followers' checks at the times
+    /// that it may mean follow from each other: the check is linear.
     void try_restart(std::size_t r, std::size_t p, std::uint16_t s) noexcept {
-        const Frame restart = frame_at(r);
+        Frame restart = frame_at(r);
+        restart.before = near_;
         FrameHead first;
         spend_units(units_restart + restart.size);
-        if (!read_head(restart, first, near_, true)) return;
-        Chain c;
-        c.link = link_behind(restart, first, link_);
-        c.joins = true;
-        c.at[c.count++] = static_cast<std::uint16_t>(r);
-        const std::int64_t turn = sub_per_tick << timing_.time_bits, end = c.link.end;
-        for (int i = 0; i < unwraps; ++i, c.link.end += turn) {
-            c.base = timing_.independent ? first.start + (c.link.end - end) : c.link.end;
-            if (!append(c, p, s)) continue;
+        if (!read_head(restart, first, true)) return;
+        Link link = link_behind(restart, first, link_);
+        std::uint16_t start = seed(header_, link);
+        auto turns = static_cast<std::uint64_t>(link.end >> (6u + timing_.time_bits));
+        for (int i = 0; i < unwraps; ++i, ++turns, link.end += turn()) {
+            if (i > 0) {
+                const auto ones = static_cast<unsigned>(__builtin_ctzll(~(turns - 1)));
+                start = ones < turned_.size() ? static_cast<std::uint16_t>(start ^ turned_[ones])
+                                              : seed(header_, link);
+            }
+            if (!fits(s, start)) continue;
+            Chain c;
+            c.link = link;
+            c.base = timing_.independent ? first.start + (link.end - first.end) : link.end;
+            c.start = i < unwraps_near ? Start::restart : Start::late_restart;
+            c.at[c.count++] = static_cast<std::uint16_t>(r);
+            if (!extend(c, p)) continue;
             free_chain() = c;
             return;
         }
@@ -478,12 +532,16 @@ class Receiver {
     bool chain_found_{false};
     std::uint16_t passed_from_{0}, passed_end_{0};  // the latest of heads_ that were right
     std::int32_t work_{0};
+    std::uint32_t header_{0};  // digest of the header that is followed
     Frame frame_{};
     FrameTiming timing_{};
     Link link_{};  // behind the latest frame that was delivered
     std::int64_t near_{0};
-    std::uint64_t trusted_ns_{0};
+    std::uint32_t trusted_{0};
     Counters counters_{};
+    // what becomes of the start value of a check when the time that it holds, in turns, ends with
+    // i ones and one turn is added
+    std::array<std::uint16_t, 6> turned_{};
     std::array<std::uint16_t, 4> heads_{};  // where header or event frames may begin, plus 1
     std::array<Chain, 3> chains_{};
     std::array<std::uint8_t, capacity> bytes_{};

@@ -21,6 +21,24 @@ struct TrackRange {
     std::uint16_t tolerance{0};  // over the step, in 1/32768
 };
 
+/// The origin of an orientation, from its numbers in the header. @return false: not on the grid.
+constexpr bool origin_of(const ChannelShape& c, curve::GridQuat& g, std::int32_t most) noexcept {
+    bool good = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::int32_t n = i == 0 ? c.origin[0] >> 2 : c.origin[i];
+        good = good && n <= most && n >= -most;
+        g.n[i] = static_cast<std::int16_t>(good ? n : 0);
+    }
+    g.largest = static_cast<std::uint8_t>(c.origin[0] & 3);
+    return good;
+}
+/// The way back.
+constexpr void put_origin(ChannelShape& c, const curve::GridQuat& g) noexcept {
+    c.origin[0] = 4 * g.n[0] + g.largest;
+    c.origin[1] = g.n[1];
+    c.origin[2] = g.n[2];
+}
+
 /// The channels of a stream, as a coder of at most Axes axes and Rotations rotations holds them.
 template <std::size_t Axes, std::size_t Rotations>
 struct Tracks {
@@ -30,6 +48,9 @@ struct Tracks {
     std::array<TrackRange, channels_most> channel{};
     std::array<curve::Scale, Axes> scale{};
     std::array<curve::Scale, Rotations> turn{};
+    // what absolute values are told against
+    std::array<std::int32_t, Axes> origin{};
+    std::array<curve::GridQuat, Rotations> turn_origin{};
 
     /// Lays out the channels of a stream. @return false: there are more than fit, or a step is out
     /// of range.
@@ -45,7 +66,8 @@ struct Tracks {
             channel[channels] = {rotates, static_cast<std::uint8_t>(first),
                                  static_cast<std::uint8_t>(count), c.kind, c.tolerance};
             for (std::size_t i = 0; i < count; ++i, ++first)
-                if (!set_scale(rotates, first, c.step[i])) return false;
+                if (!set_scale(rotates, first, c.step[i]) || !set_origin(rotates, first, i, c))
+                    return false;
         }
         return true;
     }
@@ -74,6 +96,13 @@ struct Tracks {
                 return curve::rotation_step_valid(s.template step<float>());
             }
         if constexpr (Axes > 0) scale[at] = s;
+        return true;
+    }
+    /// Behind set_scale(): of a rotation, the origin must lie on its grid.
+    bool set_origin(bool rotates, std::size_t at, std::size_t i, const ChannelShape& c) noexcept {
+        if constexpr (Rotations > 0)
+            if (rotates) return origin_of(c, turn_origin[at], curve::grid_size(step(at)));
+        if constexpr (Axes > 0) origin[at] = c.origin[i];
         return true;
     }
 };
@@ -108,13 +137,31 @@ struct Places {
 };
 
 namespace detail {
-/// n numbers in lattice steps, |v| < 2^31: their common number of bits, then each with its sign.
-template <class Io>
-constexpr bool code_values(Io& io, std::int32_t* v, std::size_t n) noexcept {
+/// Common number of bits of n numbers, |v| < 2^31.
+constexpr std::uint32_t width_of(const std::int32_t* v, std::size_t n) noexcept {
     std::uint32_t all = 0;
     for (std::size_t i = 0; i < n; ++i) all |= static_cast<std::uint32_t>(v[i] < 0 ? -v[i] : v[i]);
-    std::uint32_t width = code::bit_count(all);
-    io.bits(width, 5);
+    return code::bit_count(all);
+}
+/// A number of bits, 0 to 31: often 0, rarely above 15.
+template <class Io>
+constexpr void code_width(Io& io, std::uint32_t& width) noexcept {
+    bool some = width != 0;
+    io.flag(some, 1, 1);
+    if (!some) {
+        width = 0;
+        return;
+    }
+    std::uint32_t low = width < 16 ? width - 1 : 15, high = width - 16;
+    io.bits(low, 4);
+    if (low == 15) io.bits(high, 4);
+    width = low == 15 ? 16 + high : low + 1;
+}
+/// n numbers in lattice steps, |v| < 2^31: their common number of bits, then each with its sign.
+template <class Io>
+constexpr void code_values(Io& io, std::int32_t* v, std::size_t n) noexcept {
+    std::uint32_t width = Io::writes ? width_of(v, n) : 0;
+    code_width(io, width);
     for (std::size_t i = 0; i < n; ++i) {
         auto size = static_cast<std::uint32_t>(v[i] < 0 ? -v[i] : v[i]);
         io.bits(size, width);
@@ -122,6 +169,18 @@ constexpr bool code_values(Io& io, std::int32_t* v, std::size_t n) noexcept {
         if (size != 0) io.flag(minus, 1, 1);
         v[i] = static_cast<std::int32_t>(size);
         if (size != 0 && minus) v[i] = -v[i];
+    }
+}
+/// The same, told against an origin. @return false: beyond vertex_max.
+template <class Io>
+constexpr bool code_values(Io& io, std::int32_t* v, const std::int32_t* origin,
+                           std::size_t n) noexcept {
+    for (std::size_t i = 0; Io::writes && i < n; ++i) v[i] -= origin[i];
+    code_values(io, v, n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::int64_t sum = std::int64_t{v[i]} + origin[i];
+        if (sum > curve::vertex_max || sum < -curve::vertex_max) return false;
+        v[i] = static_cast<std::int32_t>(sum);
     }
     return true;
 }
@@ -145,9 +204,31 @@ constexpr bool code_uniform(Io& io, std::uint32_t& v, std::uint32_t n) noexcept 
     return v < n;
 }
 
+/// A place on the grid: near the origin by the differences, elsewhere as it is.
 template <class Io>
-constexpr bool code_grid(Io& io, curve::GridQuat& g, float step) noexcept {
+constexpr bool code_grid(Io& io, curve::GridQuat& g, const curve::GridQuat& origin,
+                         float step) noexcept {
     const std::int32_t most = curve::grid_size(step);
+    std::int32_t apart[3]{};
+    bool elsewhere = false;
+    if constexpr (Io::writes) {
+        for (std::size_t i = 0; i < 3; ++i) apart[i] = g.n[i] - origin.n[i];
+        elsewhere = g.largest != origin.largest ||
+                    width_of(apart, 3) + 2 > code::bit_count(static_cast<std::uint32_t>(most));
+    }
+    io.flag(elsewhere, 1, 1);
+    if (!elsewhere) {
+        code_values(io, apart, 3);
+        g.largest = origin.largest;
+        bool inside = true;
+        for (std::size_t i = 0; i < 3; ++i) {
+            inside = inside && apart[i] <= 2 * most && apart[i] >= -2 * most;
+            const std::int32_t n = inside ? origin.n[i] + apart[i] : 0;
+            inside = inside && n <= most && n >= -most;
+            g.n[i] = static_cast<std::int16_t>(inside ? n : 0);
+        }
+        return inside;
+    }
     std::uint32_t largest = g.largest;
     io.bits(largest, 2);
     g.largest = static_cast<std::uint8_t>(largest);
