@@ -229,7 +229,7 @@ TEST(CurveStore, CountsBytesByTheKindOfTheirFrames) {
     EXPECT_EQ(bytes.frames, r.frames);
     EXPECT_EQ(bytes.data + bytes.headers + bytes.events, r.stream.size());
     EXPECT_GT(bytes.events, 0u);
-    EXPECT_EQ(bytes.version, 4);
+    EXPECT_EQ(bytes.version, wire::stream_version);
     const StreamBytes cut = stream_bytes(std::string_view(r.stream).substr(0, r.stream.size() - 1));
     EXPECT_FALSE(cut.whole);
     EXPECT_LT(cut.counted, r.stream.size() - 1);

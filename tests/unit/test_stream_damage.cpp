@@ -131,14 +131,12 @@ TEST(StreamDamage, DISABLED_Odds) {
         std::printf("%u bits, %g damaged: %zu frames, %zu losses, %zu wrong events, %zu bytes\n",
                     bits, damage, o.sent, o.losses, o.wrong_events, o.bytes);
     };
-    print(4, 0.01, run_line<4>(0.01, 0, 300000, 4));
-    print(5, 0.01, run_line<5>(0.01, 0, 300000, 5));
     print(6, 0.01, run_line<6>(0.01, 0, 600000, 6));
     print(7, 0.01, run_line<7>(0.01, 0, 600000, 7));
-    print(5, 0.002, run_line<5>(0.002, 0, 300000, 8));
-    print(5, 0.004, run_line<5>(0.004, 0, 300000, 9));
-    print(5, 0.03, run_line<5>(0.03, 0, 300000, 9));
-    print(2, 0, run_line<2>(0, 2000, 40000, 5));
+    print(8, 0.01, run_line<8>(0.01, 0, 1200000, 8));
+    print(6, 0.004, run_line<6>(0.004, 0, 600000, 9));
+    print(6, 0.03, run_line<6>(0.03, 0, 600000, 9));
+    print(4, 0, run_line<4>(0, 2000, 40000, 5));
 }
 
 TEST(StreamDamage, NoiseAlone) {

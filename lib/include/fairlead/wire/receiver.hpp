@@ -463,33 +463,42 @@ class Receiver {
             }
         }
     }
-    /// Every frame may be a restart frame. The start values of its followers' checks at the times
+    /// Every frame may be a restart frame. The start values of its follower's check at the times
     /// that it may mean follow from each other: the check is linear.
     void try_restart(std::size_t r, std::size_t p, std::uint16_t s) noexcept {
         Frame restart = frame_at(r);
         restart.before = near_;
-        FrameHead first;
+        FrameHead head;
         spend_units(units_restart + restart.size);
-        if (!read_head(restart, first, true)) return;
-        Link link = link_behind(restart, first, link_);
-        std::uint16_t start = seed(header_, link);
-        auto turns = static_cast<std::uint64_t>(link.end >> (6u + timing_.time_bits));
-        for (int i = 0; i < unwraps; ++i, ++turns, link.end += turn()) {
-            if (i > 0) {
-                const auto ones = static_cast<unsigned>(__builtin_ctzll(~(turns - 1)));
-                start = ones < turned_.size() ? static_cast<std::uint16_t>(start ^ turned_[ones])
-                                              : seed(header_, link);
-            }
-            if (!fits(s, start)) continue;
-            Chain c;
-            c.link = link;
-            c.base = timing_.independent ? first.start + (link.end - first.end) : link.end;
-            c.start = i < unwraps_near ? Start::restart : Start::late_restart;
-            c.at[c.count++] = static_cast<std::uint16_t>(r);
-            if (!extend(c, p)) continue;
-            free_chain() = c;
-            return;
+        if (!read_head(restart, head, true)) return;
+        const Link link = link_behind(restart, head, link_);
+        auto turns = static_cast<std::uint32_t>(link.end >> (6u + timing_.time_bits));
+        unsigned differ = unsigned{s} ^ seed(header_, link);
+        for (int i = 0; i < unwraps; ++i) {
+            if ((differ & check_mask) == 0 && start_chain(r, p, head, i)) return;
+            std::size_t ones = 0;  // which one more turn makes zeros, and the bit above them a one
+            while (ones < turned_.size() && (turns >> ones & 1u) != 0) ++ones;
+            ++turns;
+            if (ones < turned_.size())
+                differ ^= turned_[ones];
+            else
+                differ = unsigned{s} ^ seed(header_, behind_turns(link, i + 1));
         }
+    }
+    Link behind_turns(const Link& link, int turns) const noexcept {
+        return {link.end + turns * turn(), link.previous, link.since};
+    }
+    /// A chain of the restart frame at r and the frame at p, at the time that is so many turns
+    /// later. @return false: nonsense.
+    bool start_chain(std::size_t r, std::size_t p, const FrameHead& head, int turns) noexcept {
+        Chain c;
+        c.link = behind_turns(link_behind(frame_at(r), head, link_), turns);
+        c.base = (timing_.independent ? head.start : head.end) + turns * turn();
+        c.start = turns < unwraps_near ? Start::restart : Start::late_restart;
+        c.at[c.count++] = static_cast<std::uint16_t>(r);
+        if (!extend(c, p)) return false;
+        free_chain() = c;
+        return true;
     }
     Chain& free_chain() noexcept {
         Chain* best = &chains_[0];
