@@ -151,8 +151,9 @@ struct ByteReader {
     constexpr std::int64_t zigzag(std::int64_t) noexcept { return unfolded(varying(0)); }
     /// The number, where it is between `least` and `most`; else the header is nonsense.
     constexpr std::int64_t within(std::int64_t v, std::int64_t least, std::int64_t most) noexcept {
-        good = good && v >= least && v <= most;
-        return v;
+        const bool inside = v >= least && v <= most;
+        good = good && inside;
+        return inside ? v : least;
     }
 };
 
@@ -165,9 +166,9 @@ constexpr void code_channel(Io& io, ChannelShape& c) noexcept {
     c.type = form >> 7 ? ChannelType::orientation : ChannelType::vector;
     c.axes = static_cast<std::uint8_t>((form & 7u) + 1u);
     c.kind = static_cast<std::uint8_t>(form >> 4 & 7u);
-    const std::int64_t usual = turns != 0 ? rotation_tolerance_usual : vector_tolerance_usual;
-    c.tolerance =
-        static_cast<std::uint16_t>(io.within(usual + io.zigzag(c.tolerance - usual), 0, 0xffff));
+    const std::int64_t usual = form >> 7 != 0 ? rotation_tolerance_usual : vector_tolerance_usual;
+    const std::int64_t above = io.within(io.zigzag(c.tolerance - usual), -usual, 0xffff - usual);
+    c.tolerance = static_cast<std::uint16_t>(usual + above);
     for (std::size_t i = 0; i < c.axes; ++i) {
         if (i > 0 && (form & 8u) == 0) {
             c.step[i] = c.step[0];
