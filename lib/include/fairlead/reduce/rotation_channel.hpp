@@ -522,12 +522,18 @@ class RotationChannel {
         offer_jump(at.middle);
         search_.record();
     }
-    /// The frame ends at the place of the grid nearest to where the samples are.
+    /// The frame ends at the place of the grid nearest to where the samples are; or where the curve
+    /// began, if that is within half of the tolerance: mostly the origin of the stream's absolute
+    /// places, which costs fewest bits.
     void tell(Column& at) noexcept {
         const Place& y = at.middle;
         const Quat q =
             state_.anchor * from_rotation_vector(Vec3{y[0] * step_, y[1] * step_, y[2] * step_});
         end_grid_ = curve::to_grid(normalised(q), step_);
+        const Place begin =
+            curve::place(state_.anchor, curve::from_grid(start_grid_, step_), step_);
+        const Vec3 apart{begin[0] - y[0], begin[1] - y[1], begin[2] - y[2]};
+        if (dot(apart, apart) <= 0.25f * radius_ * radius_) end_grid_ = start_grid_;
         end_anchor_ = curve::from_grid(end_grid_, step_);
         target_ = curve::place(state_.anchor, end_anchor_, step_);
         at.told = &target_;
