@@ -2,7 +2,9 @@
 // values are told against the header's origins.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <limits>
 
 #include "tests/unit/random_stream.hpp"
@@ -30,10 +32,13 @@ ByteVector bytes_of(wire::Header& header) {
 }
 /// The frame with this payload, and the right size and CRC-32.
 ByteVector sealed(const ByteVector& payload) {
-    ByteVector bytes{wire::header_head, static_cast<std::uint8_t>(payload.size())};
-    bytes.insert(bytes.end(), payload.begin(), payload.end());
-    const std::uint32_t crc = crc32(bytes.data(), bytes.size());
-    for (unsigned i = 0; i < 32; i += 8) bytes.push_back(static_cast<std::uint8_t>(crc >> i));
+    const std::size_t size = payload.size() + 2;
+    ByteVector bytes(size + 4);
+    bytes[0] = wire::header_head;
+    bytes[1] = static_cast<std::uint8_t>(payload.size());
+    std::copy(payload.begin(), payload.end(), bytes.begin() + 2);
+    const std::uint32_t crc = crc32(bytes.data(), size);
+    for (std::size_t i = 0; i < 4; ++i) bytes[size + i] = static_cast<std::uint8_t>(crc >> (8 * i));
     return bytes;
 }
 wire::HeaderFault fault_of(const ByteVector& bytes) {
@@ -145,9 +150,10 @@ TEST(StreamHeader, NonsenseIsRefused) {
 
     // a number in place of the byte at `at`, as v
     const auto with = [&](std::size_t at, std::initializer_list<std::uint8_t> number) {
-        ByteVector other = payload;
-        other.erase(other.begin() + static_cast<long>(at));
-        other.insert(other.begin() + static_cast<long>(at), number);
+        ByteVector other;
+        for (std::size_t i = 0; i < at; ++i) other.push_back(payload[i]);
+        for (const std::uint8_t byte : number) other.push_back(byte);
+        for (std::size_t i = at + 1; i < payload.size(); ++i) other.push_back(payload[i]);
         return fault_of(sealed(other));
     };
     const auto bad = wire::HeaderFault::bad_content, good = wire::HeaderFault::none;

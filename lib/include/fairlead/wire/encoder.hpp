@@ -270,9 +270,8 @@ class Encoder {
         window.records = static_cast<std::int32_t>(window_records(params_.delay_records));
         const std::int64_t tick = curve::Grid::of_period(0, params_.sample_period_ns).tick_ns();
         window.gap_ticks = static_cast<std::int32_t>(limits(params_).gap_ns / tick);
-        const bool independent = params_.restart_interval_ns == every_frame_ns;
         window.cost_max =
-            static_cast<code::Cost>(16 * (8 * payload_max - overhead_bits(independent)));
+            static_cast<code::Cost>(16 * (8 * payload_max - overhead_bits(independent())));
         reducer_.configure(window);
     }
 
@@ -322,25 +321,23 @@ class Encoder {
         ++run_;
         grid_ = curve::Grid::of_period(t_ns, period_ns_);
         reducer_.begin(grid_);
-        header_ = {};
-        StreamShape& s = header_.shape;
+        StreamShape s;
         s.stream_id = params_.stream_id;
         s.run = run_;
         s.base_ns = t_ns;
         s.timing.sub_ns = grid_.sub_ns;
         s.timing.time_bits = time_bits();
-        s.timing.independent = params_.restart_interval_ns == every_frame_ns;
-        s.timing.usual_ticks = static_cast<std::uint8_t>(window_records(params_.delay_records) - 1);
+        s.timing.independent = independent();
+        s.timing.usual_ticks = usual_ticks();
         s.timing.restart_frames = restart_frames();
         s.channels = channel_count;
         describe(s, r, std::index_sequence_for<Channels...>{});
-        header_.starts = true;
         header_ns_ = restart_ns_ = t_ns;
         restart_after_ns_ =
             params_.restart_interval_ns - grid_.tick_ns() * std::int64_t{s.timing.usual_ticks};
-        put_header();
-        writer_.begin_run(s, header_.digest, 0);
-        header_.starts = false;
+        header_.begin(s);
+        put_header(0, true);
+        writer_.begin_run(s, header_.digest(), 0);
         events_.repeat();
     }
     template <std::size_t... Index>
@@ -377,8 +374,7 @@ class Encoder {
     /// Frames from a restart frame to the next where all have their usual length.
     std::uint8_t restart_frames() const noexcept {
         const std::int64_t interval = params_.restart_interval_ns;
-        const std::int64_t frame_ns =
-            grid_.tick_ns() * std::int64_t{header_.shape.timing.usual_ticks};
+        const std::int64_t frame_ns = grid_.tick_ns() * std::int64_t{usual_ticks()};
         if (interval == every_frame_ns || interval / frame_ns > 255) return 0;
         return static_cast<std::uint8_t>((std::max)(std::int64_t{2}, interval / frame_ns));
     }
@@ -394,11 +390,13 @@ class Encoder {
         while (bits < 32 && (std::int64_t{unwraps} << bits) < ticks) ++bits;
         return bits;
     }
-    void put_header() noexcept {
-        header_.end = writer_.link().end;
-        if (header_.starts) header_.end = 0;
+    void put_header(std::int64_t end, bool starts) noexcept {
         if (out_max - size_ < header_max) return;
-        size_ += write_header(header_, out_.data() + size_);
+        size_ += header_.write(end, starts, out_.data() + size_);
+    }
+    bool independent() const noexcept { return params_.restart_interval_ns == every_frame_ns; }
+    std::uint8_t usual_ticks() const noexcept {
+        return static_cast<std::uint8_t>(window_records(params_.delay_records) - 1);
     }
 
     // ---- frames
@@ -479,7 +477,7 @@ class Encoder {
     void tell_grids(const Coder& coder) noexcept {
         for (std::size_t c = 0; c < channel_count; ++c) {
             const TrackRange& range = writer_.layout().channel[c];
-            if (range.rotates && header_.shape.timing.independent && !coder.channel[c].starts)
+            if (range.rotates && independent() && !coder.channel[c].starts)
                 writer_.first.grid[range.first] = grids_[range.first];
         }
     }
@@ -604,7 +602,7 @@ class Encoder {
             writer_.states = states;
             stretch = reducer_.stretch(exact_from_, exact_samples_);
             cut(stretch, std::index_sequence_for<Channels...>{});
-            coded_ = open_stretch(stretch, header_.shape.timing.independent);
+            coded_ = open_stretch(stretch, independent());
             code_pieces(SIZE_MAX);
             size = coded_ ? writer_.close() : 0;
         }
@@ -645,7 +643,7 @@ class Encoder {
     }
     template <std::size_t... Index>
     void cut(const reduce::Stretch& stretch, std::index_sequence<Index...>) noexcept {
-        const bool told = header_.shape.timing.independent;
+        const bool told = independent();
         const auto one = [&](auto index) {
             constexpr std::size_t i = decltype(index)::value;
             if constexpr (rotates<i>)
@@ -674,12 +672,12 @@ class Encoder {
         const bool restart = writer_.head().restart;
         if (now_ns_ - header_ns_ >= params_.header_interval_ns) {
             header_ns_ = now_ns_;
-            put_header();
+            put_header(writer_.link().end, false);
         }
         if (restart) {
             restart_ns_ = grid_.time_ns(writer_.head().end);
             ++restarts_;
-            if (!header_.shape.timing.independent) events_.repeat();
+            if (!independent()) events_.repeat();
         }
         ++frames_;
         for (std::size_t i = 0; i < size; ++i) out_[size_ + i] = writer_.data()[i];
@@ -711,7 +709,7 @@ class Encoder {
     }
     void let_out_events(std::uint32_t hold) noexcept {
         if (!running_ || out_max - size_ < EventSender<Events>::frame_max) return;
-        size_ += events_.frame(out_.data() + size_, hold, header_.digest, grid_.base_ns);
+        size_ += events_.frame(out_.data() + size_, hold, header_.digest(), grid_.base_ns);
     }
     Bytes bytes() const noexcept { return {out_.data(), size_, Status::ok}; }
 
@@ -719,7 +717,7 @@ class Encoder {
     Reducer reducer_{};
     Writer writer_{};
     EventSender<Events> events_{};
-    Header header_{};
+    HeaderWriter<header_max> header_{};
     curve::Grid grid_{};
     std::array<curve::GridQuat, rotations> grids_{};
     std::array<std::uint8_t, out_max> out_{};

@@ -212,10 +212,10 @@ constexpr void code_shape(Io& io, StreamShape& s) noexcept {
 
 /// Where the stream is, and whether its run begins there.
 template <class Io>
-constexpr void code_place(Io& io, Header& h) noexcept {
-    const std::uint64_t told = io.varying(folded(h.end) << 1 | (h.starts ? 1u : 0u));
-    h.starts = (told & 1u) != 0;
-    h.end = unfolded(told >> 1);
+constexpr void code_place(Io& io, std::int64_t& end, bool& starts) noexcept {
+    const std::uint64_t told = io.varying(folded(end) << 1 | (starts ? 1u : 0u));
+    starts = (told & 1u) != 0;
+    end = unfolded(told >> 1);
 }
 }  // namespace detail
 
@@ -229,17 +229,45 @@ constexpr bool sane(const StreamShape& s) noexcept {
     return good;
 }
 
+/// Writes the header frames of a stream; keeps the fixed part as its bytes. SizeMax: bytes of a
+/// header frame at most.
+template <std::size_t SizeMax>
+class HeaderWriter {
+  public:
+    /// The stream, or its next run, whose headers are written from now on.
+    void begin(StreamShape& shape) noexcept {
+        detail::ByteWriter io{fixed_.data(), 0, fixed_.size()};
+        io.number(stream_version, 1);
+        detail::code_shape(io, shape);
+        size_ = static_cast<std::uint8_t>(io.size);
+        digest_ = crc32(fixed_.data(), size_);
+    }
+    /// CRC-32 of the fixed part.
+    std::uint32_t digest() const noexcept { return digest_; }
+    /// Writes a header frame to `out`, SizeMax bytes. end: of the latest data frame, in sub-ticks;
+    /// starts: the run begins behind it. @return its size.
+    std::size_t write(std::int64_t end, bool starts, std::uint8_t* out) const noexcept {
+        for (std::size_t i = 0; i < size_; ++i) out[2 + i] = fixed_[i];
+        detail::ByteWriter io{out + 2, size_, SizeMax - 2};
+        detail::code_place(io, end, starts);
+        out[0] = header_head;
+        out[1] = static_cast<std::uint8_t>(io.size);
+        io.number(crc32(out, 2 + io.size), crc_size);
+        return 2 + io.size;
+    }
+
+  private:
+    std::uint32_t digest_{0};
+    std::uint8_t size_{0};
+    std::array<std::uint8_t, SizeMax - 3 - crc_size> fixed_{};
+};
+
 /// Writes the header frame to `out`, header_frame_max bytes, and sets its digest. @return its size.
 inline std::size_t write_header(Header& header, std::uint8_t* out) noexcept {
-    detail::ByteWriter io{out + 2, 0, header_frame_max - 2};
-    io.number(stream_version, 1);
-    detail::code_shape(io, header.shape);
-    header.digest = crc32(out + 2, io.size);
-    detail::code_place(io, header);
-    out[0] = header_head;
-    out[1] = static_cast<std::uint8_t>(io.size);
-    io.number(crc32(out, 2 + io.size), crc_size);
-    return 2 + io.size;
+    HeaderWriter<header_frame_max> writer;
+    writer.begin(header.shape);
+    header.digest = writer.digest();
+    return writer.write(header.end, header.starts, out);
 }
 
 /// What a header frame turns out to be.
@@ -263,7 +291,7 @@ inline HeaderFault read_header(const std::uint8_t* frame, std::size_t size,
     detail::code_shape(io, header.shape);
     if (!io.good) return HeaderFault::bad_content;
     header.digest = crc32(frame + 2, 1 + io.size);
-    detail::code_place(io, header);
+    detail::code_place(io, header.end, header.starts);
     return io.good && io.size == io.capacity && sane(header.shape) ? HeaderFault::none
                                                                    : HeaderFault::bad_content;
 }

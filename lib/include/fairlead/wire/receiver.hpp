@@ -5,9 +5,9 @@
 // reader knows. When it does not, the reader is out of step, and searches: for each byte, the
 // places whose frame ends there are tried, as the frame that should follow the last one, as the
 // follower of a frame that was tried before, or as the first one behind a restart frame. Two
-// fitting checks in a row put the reader in step again. A false head holds nothing back, because
-// places are tried when the bytes of their frame are complete, and not in the order in which they
-// begin.
+// fitting checks in a row put the reader in step again; behind a restart frame whose time is none
+// of the first tries, three. A false head holds nothing back, because places are tried when the
+// bytes of their frame are complete, and not in the order in which they begin.
 //
 // One fitting check, 2^-16, is enough only while damage is rare: the reader has `trust_max` credits
 // and gets one back for each 2^41 ns (37 min) of decoded curve; a loss of step takes one. Without a
@@ -31,7 +31,7 @@ namespace fairlead::wire {
 template <unsigned CheckBits = 16>
 class Receiver {
   public:
-    static constexpr std::int32_t work_per_byte = 360, overdraft = 1600;
+    static constexpr std::int32_t work_per_byte = 240, overdraft = 1600;
     static constexpr unsigned places_tried = 8;
     static constexpr std::size_t restarts_tried = 6, skips_max = 2;
     static constexpr std::uint8_t trust_max = 4;
