@@ -51,7 +51,7 @@ Pose CurvePoint::rounded(std::int64_t t_ns) const {
 
 // ---- tracks
 
-void CurveTrack::add(const wire::CurvePiece& piece, const curve::Grid& grid) {
+void CurveTrack::add(const wire::BasicCurvePiece<true>& piece, const curve::Grid& grid) {
     const bool ended_before = piece.ends && !piece.begins && piece.start == piece.end;
     if (ended_before) return;  // says that the curve is over, and holds nothing
     pieces_.push_back({piece, grid.time_ns(piece.start), grid.time_ns(piece.end),
@@ -111,7 +111,7 @@ std::size_t StoredChannel::pieces() const {
 
 std::size_t StoredChannel::knots() const {
     if (tracks.empty()) return 0;
-    const std::size_t sum = total(tracks, [](const CurveTrack& t) {
+    const std::size_t sum = total(tracks, [this](const CurveTrack& t) {
         return t.pieces().size() - t.curves() + (order - 1) * t.breaks();
     });
     return (sum + tracks.size() - 1) / tracks.size();
@@ -216,6 +216,7 @@ void CurveStore::begin_run() {
         const wire::TrackRange& range = layout.channel[c];
         StoredChannel channel;
         channel.rotates = range.rotates;
+        channel.order = range.kind == curve::Cubics::id ? 4 : 3;
         double step = 0;  // the largest: axes may have their own
         for (std::size_t i = 0; i < range.count; ++i)
             step = std::max(step, layout.scale_of(range, i).step());
@@ -227,7 +228,7 @@ void CurveStore::begin_run() {
 
 void CurveStore::take_frame() {
     std::size_t before = decoder_.payload_read();
-    const auto keep = [&](const wire::CurvePiece& piece) {
+    const auto keep = [&](const Decoder::Piece& piece) {
         if (run_begins_) begin_run();
         run_begins_ = false;
         StoredChannel& channel = runs_.back().channels.at(piece.channel);

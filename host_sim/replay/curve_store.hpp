@@ -29,7 +29,7 @@ struct CurvePoint {
 class CurveTrack {
   public:
     struct Piece {
-        wire::CurvePiece of{};
+        wire::BasicCurvePiece<true> of{};
         std::int64_t start_ns{}, end_ns{};
         double tick_ns{1};
 
@@ -39,7 +39,7 @@ class CurveTrack {
         }
     };
 
-    void add(const wire::CurvePiece& piece, const curve::Grid& grid);
+    void add(const wire::BasicCurvePiece<true>& piece, const curve::Grid& grid);
     /// The piece in charge at a time; null: there is no curve.
     const Piece* at(std::int64_t t_ns) const;
     const std::vector<Piece>& pieces() const { return pieces_; }
@@ -53,7 +53,8 @@ class CurveTrack {
 /// A channel of a stream: a track for each axis of a vector, one for a rotation.
 struct StoredChannel {
     bool rotates{false};
-    double tolerance{};  // of the encoder, as the header tells it: in the channel's unit, or rad
+    std::size_t order{3};  // of the pieces: 3 of quadratics, 4 of cubics
+    double tolerance{};    // of the encoder, as the header tells it: in the channel's unit, or rad
     std::vector<CurveTrack> tracks;
 
     bool empty() const;
@@ -63,14 +64,12 @@ struct StoredChannel {
     std::size_t curves() const;  // each begins after a gap, or with the stream
     std::size_t breaks() const;  // sum of the tracks
     std::size_t pieces() const;  // sum of the tracks
-    /// Interior knots with multiplicity, three at a break, as a mean of the tracks: a knot counts
-    /// as one where all axes have it. Rounded up.
+    /// Interior knots with multiplicity, as many as the order at a jump, as a mean of the tracks: a
+    /// knot counts as one where all axes have it. Rounded up.
     std::size_t knots() const;
     std::size_t control_points() const { return order * curves() + knots(); }
     std::int64_t begin_ns() const;  // INT64_MAX: no curve
     std::int64_t end_ns() const;    // INT64_MIN: no curve
-
-    static constexpr std::size_t order = 3;  // of the pieces: quadratic
 };
 
 /// The curves of one run: between two leaps of the board's clock.
@@ -103,7 +102,7 @@ StreamBytes stream_bytes(std::string_view stream);
 class CurveStore {
   public:
     /// All that a stream may hold: more than the channels of any board.
-    using Decoder = wire::Decoder<12, 4, wire::KindSet<curve::Smooth>>;
+    using Decoder = wire::Decoder<12, 4, wire::KindSet<curve::Smooth, curve::Cubics>>;
 
     void push(std::string_view bytes);
     void finish();  // the input has ended

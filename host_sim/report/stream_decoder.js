@@ -6,14 +6,15 @@
 //   decoder.feed(bytes);      // Uint8Array, any part of a stream
 //
 // tables: the content of docs/stream_tables.json. A piece tells channel, axis, start and end
-// (sub-ticks since the run's base), code, fresh, v, s, rise, anchor, step (StreamDecoder.value).
+// (sub-ticks since the run's base), code, fresh, v, s, rise, anchor, step (StreamDecoder.value); of
+// a cubic, `cubic` is [p, v, a, j], BigInts in the units of docs/stream.md.
 "use strict";
 
 const STREAM_VERSION = 5;
 /// Times that a reader that joins tries, and those of them that need no further check.
 const UNWRAPS = 64, UNWRAPS_NEAR = 4;
 const LENGTHS = [1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 120];
-const TO_END = 16, JUMP = 17, REBASE = 18, LINE = 19;
+const TO_END = 16, JUMP = 17, REBASE = 18, LINE = 19, CUBICS = 3;
 const POWERS = [32768, 31379, 30049, 28775, 27555, 26386, 25268, 24196, 23171, 22188, 21248, 20347,
                 19484, 18658, 17867, 17109];
 
@@ -336,6 +337,99 @@ class Track {
     }
 }
 
+// ---- cubics: integers of 64 bits
+
+const U = 960n ** 3n;
+const big = BigInt, size = (x) => x < 0n ? -x : x;
+const floored = (n, d) => n / d - (n % d < 0n ? 1n : 0n);
+const away = (n, d) => (n < 0n ? n - d / 2n : n + d / 2n) / d;
+const WEIGHTS = [[113n, 84n], [115n, 69n], [122n, 89n]];
+const SIZES = [358n, 819n, 1536n, 2662n, 4301n, 7168n, 12288n];
+
+/// State of an axis of cubics. value: null for a reader that joins.
+class Cubic {
+    constructor(value) {
+        Object.assign(this, {n: 1, p: 6n * U * big(value ?? 0), v: 0n, a: 0n, c1: 0n, c2: 0n});
+        Object.assign(this, {lastK: 0n, beforeK: 0n, sign: 0, phase: 0, run: 0});
+        Object.assign(this, {lastCode: JUMP, lastTicks: 1, known: value !== null});
+        if (!this.known) this.restart();
+    }
+    restart() {
+        Object.assign(this, {lastK: 0n, beforeK: 0n, sign: 0, phase: 0, run: 3, lastCode: TO_END, lastTicks: 1});
+    }
+    loose() { return this.lastCode === JUMP && this.run === 0; }
+    near() { return floored(this.p + 3n * U, 6n * U); }
+    travel(h) { return floored(1024n * h * this.v, 2n * U); }
+    bend(h) { return floored(1024n * h * h * this.a, U); }
+    ratio(h) { return h === this.lastTicks ? 0 : h > this.lastTicks ? 1 : 2; }
+    control(h) {
+        if (this.run === 3) return 0n;
+        if (this.run === 2) return this.c1;
+        if (this.run === 1) return this.c2 + floored(9n * (this.c2 - this.c1) + 5n, 10n);
+        const near = this.near(), part = floored(1024n * (this.p - 6n * U * near), 6n * U);
+        const [wt, wb] = WEIGHTS[this.ratio(Number(h))];
+        return near + floored(64n * part + wt * this.travel(h) + wb * this.bend(h) + 32768n, 65536n);
+    }
+    within() {
+        if (size(this.p) > 6n * U << 30n || size(this.v) > U << 14n || size(this.a) > U << 11n)
+            throw new Nonsense("bounds");
+    }
+    jump(subs, k) {
+        const aim = (this.run > 0 ? 0n : this.near()) + big(k);
+        if (size(aim) > 1n << 30n) throw new Nonsense("jump");
+        Object.assign(this, {p: 6n * U * aim, v: 0n, a: 0n, lastK: 0n, beforeK: 0n, sign: 0, run: 0});
+        Object.assign(this, {lastCode: JUMP, lastTicks: 1, known: true, phase: (this.phase + subs) % 64});
+    }
+    /// A cubic or a line. Returns [p, v, a, j] of the piece; null where they are not known.
+    step(code, ticks, number) {
+        const h = big(ticks), k = big(number), line = code >= LINE, {run} = this;
+        if (this.loose() !== line && (!line || run > 0)) throw new Nonsense("piece");
+        if (run > 0 && (line || code === TO_END || (run < 3 && ticks !== this.lastTicks)))
+            throw new Nonsense("run");
+        const aim = k + (line ? this.near() + floored(this.travel(h) + 512n, 1024n) : this.control(h));
+        if (size(aim) > 1n << 30n || size(k) > (run === 3 ? 1n << 30n : 1n << 20n)) throw new Nonsense("aim");
+        const drawn = this.known ? this.draw(line, h, aim) : null;
+        if (run === 1) {
+            this.p = U * (this.c1 + 4n * this.c2 + aim);
+            this.v = U * (aim - this.c1) / h;
+            this.a = U * (this.c1 - 2n * this.c2 + aim) / (h * h);
+            this.known = true;
+        }
+        this.within();
+        if (run === 3) this.c1 = aim;
+        if (run === 2) this.c2 = aim;
+        if (run === 0) this.remember(line, k);
+        this.run = Math.max(0, run - 1);
+        this.lastCode = line ? code - LINE : code;
+        this.lastTicks = ticks;
+        return drawn;
+    }
+    draw(line, h, aim) {
+        const {p} = this;
+        let {v, a} = this, j = 0n;
+        if (size(aim - this.near()) > 1n << 17n) throw new Nonsense("aim");
+        if (line) [v, a] = [away(6n * U * aim - p, 3n * h), 0n];
+        else j = away(6n * U * aim - p - 6n * h * v - 11n * h * h * a, 6n * h ** 3n);
+        if (size(v) > U << 14n) throw new Nonsense("bounds");
+        this.p = p + 3n * h * v + 3n * h * h * a + h ** 3n * j;
+        this.v = v + 2n * h * a + h * h * j;
+        this.a = a + h * j;
+        return [p, v, a, j];
+    }
+    remember(line, k) {
+        this.beforeK = line ? 0n : this.lastK;
+        this.lastK = line ? 0n : k > 100n ? 100n : k < -100n ? -100n : k;
+        this.sign = line ? 0 : k > 0n ? 1 : k < 0n ? -1 : this.sign;
+    }
+    valueRow(line, ticks) {
+        const of = ticks <= 12 ? 0 : ticks <= 30 ? 1 : 2;
+        if (line) return 78 + of;
+        if (this.run > 0) return of + (this.run === 2 ? 0 : 3);
+        const x = 512n * size(this.lastK) + 256n * size(this.beforeK) + size(this.bend(big(ticks))) / 4n + 12n;
+        return 6 + (3 * SIZES.filter((limit) => x > limit).length + this.ratio(ticks)) * 3 + of;
+    }
+}
+
 // ---- the stream
 
 class Header {
@@ -378,6 +472,7 @@ class Header {
             const origin = rotates ? {largest: told[0] & 3, n: [told[0] >> 2, told[1], told[2]]} : told;
             return {origin, rotates, kind: what >> 4 & 7, axes: count, tolerance, live: false, hidden: false,
                     over: false, steps: steps.length === 1 ? Array(count).fill(steps[0]) : steps,
+                    cubic: (what >> 4 & 7) === CUBICS,
                     tracks: Array.from({length: rotates ? 1 : count}, () => new Track(rotates ? 3 : 1))};
         });
         this.digest = crc32(payload.subarray(0, at));
@@ -390,9 +485,9 @@ class Header {
 class StreamDecoder {
     constructor(tables, told) {
         this.told = {run() {}, piece() {}, event() {}, ...told};
+        const rows = (table) => table?.map((row) => row.map(StreamDecoder.frequency));
         this.tables = new Map(tables.map((t) => [t.kind * 8 + t.components, {
-            length: t.length.map((row) => row.map(StreamDecoder.frequency)),
-            value: t.value.map((row) => row.map(StreamDecoder.frequency)),
+            length: rows(t.length), value: rows(t.value), way: rows(t.way), line: rows(t.line),
         }]));
         this.header = null;
         this.link = null;
@@ -411,6 +506,11 @@ class StreamDecoder {
     static value(p, t, c = 0) {
         const h = (p.end - p.start) / 64, w = t / h, ahead = p.s[c] / 960;
         let x = p.v[c];
+        if (p.cubic) {
+            const [start, v, a, j] = p.cubic, unit = Number(U);
+            const part = Number(start - 6n * U * BigInt(x)) / (6 * unit);
+            return (x + (part + t * (Number(v) / 2 + t * (Number(a) / 2 + t * Number(j) / 6)) / unit)) * p.step;
+        }
         if (p.code === JUMP || h === 0) return x * p.step;
         if (p.code >= LINE) x += p.rise[c] * w;
         else if (!p.fresh) x += ahead * t + (p.rise[c] - ahead * h) * w * w;
@@ -587,7 +687,7 @@ class StreamDecoder {
         const restart = head.restart && !independent, ticks = (head.end - head.start) / 64;
         if (joining) {
             for (const c of channels) {
-                c.tracks = c.tracks.map((t) => new Track(t.n));
+                c.tracks = c.tracks.map((t) => c.cubic ? new Cubic(null) : new Track(t.n));
                 c.live = false;
             }
         }
@@ -598,7 +698,7 @@ class StreamDecoder {
                 c.live = c.hidden = c.goesOn;
                 if (!c.live) continue;
                 if (c.rotates) c.tracks[0].anchor = fromGrid(c.told, c.steps[0]);
-                else c.tracks.forEach((t, i) => { t.v = [c.told[i]]; });
+                else if (!c.cubic) c.tracks.forEach((t, i) => { t.v = [c.told[i]]; });
             }
         } else {
             for (const c of channels) this.times(io, c, ticks);
@@ -610,7 +710,11 @@ class StreamDecoder {
                 c.tracks.forEach((t, i) => pieces.push(StreamDecoder.point(number, i, c, head.start + 64 * c.first, t)));
             });
             channels.forEach((c, number) => {
-                if (c.present) c.tracks.forEach((t, i) => this.pieces(io, pieces, number, c, i, t, head.start));
+                if (!c.present) return;
+                c.tracks.forEach((t, i) => {
+                    if (c.cubic) this.cubics(io, pieces, number, c, i, t, head.start);
+                    else this.pieces(io, pieces, number, c, i, t, head.start);
+                });
             });
             if (!io.finished()) throw new Nonsense("payload");
             pieces.forEach((p) => this.told.piece(p));
@@ -621,9 +725,10 @@ class StreamDecoder {
     }
     static point(channel, axis, c, at, t = null) {
         const n = c.rotates ? 3 : 1, zero = Array(n).fill(0);
-        return {channel, axis, start: at, end: at, code: JUMP, fresh: false, v: t ? t.v : zero,
-                s: t ? t.s : zero, rise: zero, rotates: c.rotates, step: c.steps[c.rotates ? 0 : axis],
-                anchor: t ? t.anchor : [1, 0, 0, 0], ends: true};
+        const cubic = t instanceof Cubic;
+        return {channel, axis, start: at, end: at, code: JUMP, fresh: false,
+                v: cubic ? [Number(t.near())] : t ? t.v : zero, s: t && !cubic ? t.s : zero, rise: zero, rotates: c.rotates, step: c.steps[c.rotates ? 0 : axis],
+                anchor: t && !cubic ? t.anchor : [1, 0, 0, 0], ends: true};
     }
     ends(io, c, restart, reading) {
         const independent = this.header.independent;
@@ -638,7 +743,7 @@ class StreamDecoder {
         const usual = restart || c.live;
         c.goesOn = io.flag(15, 4) ? usual : !usual;
         c.told = null;
-        if (c.goesOn && (restart || (independent && c.rotates)))
+        if (c.goesOn && !c.cubic && (restart || (independent && c.rotates)))
             c.told = c.rotates ? io.grid(c.steps[0], c.origin) : io.places(c.origin);
     }
     startTold(io, c, reading) {
@@ -665,8 +770,65 @@ class StreamDecoder {
         if (!c.live) {
             c.tracks = c.tracks.map((t) => new Track(t.n));
             if (c.rotates) c.tracks[0].anchor = fromGrid(io.grid(c.steps[0], c.origin), c.steps[0]);
+            else if (c.cubic) c.tracks = io.places(c.origin).map((v) => new Cubic(v));
             else io.places(c.origin).forEach((v, i) => { c.tracks[i].v = [v]; });
+        } else if (c.cubic && c.last > c.first && c.tracks[0].run === 3) {
+            c.firstControls = io.places(c.origin);
         }
+    }
+    cubics(io, pieces, channel, c, axis, t, frameStart) {
+        let left = 64 * (c.last - c.first);
+        while (left > 0) {
+            const {known} = t, before = t.near(), start = frameStart + 64 * c.last - left;
+            const {code, subs, k} = this.cubic(io, c, axis, t, left);
+            const cubic = code === JUMP ? t.jump(subs, k) : t.step(code, subs / 64, k);
+            left -= subs;
+            if (!known) continue;
+            const jumped = code === JUMP, near = t.near();
+            pieces.push({channel, axis, start, end: start + subs, code, fresh: false, cubic,
+                         v: [Number(jumped ? near : before)], s: [jumped ? Number(near - before) : 0],
+                         rise: [jumped ? 0 : Number(near - before)], rotates: false, anchor: [1, 0, 0, 0],
+                         step: c.steps[axis], ends: left === 0 && !c.goesOn});
+        }
+    }
+    cubic(io, c, axis, t, left) {
+        const rows = this.tables.get(CUBICS * 8 + 1);
+        const code = t.phase ? JUMP : StreamDecoder.cubicCode(io, rows, t, Math.floor(left / 64));
+        if (code === JUMP) {
+            const subs = StreamDecoder.duration(io, t.phase);
+            if (subs > left) throw new Nonsense("duration");
+            return {code, subs, k: StreamDecoder.plain(io)};
+        }
+        const line = code >= LINE, length = line ? code - LINE : code;
+        const subs = length === TO_END ? left : 64 * LENGTHS[length];
+        if (subs > left || left % 64 !== 0) throw new Nonsense("duration");
+        if (t.run === 3) return {code, subs, k: c.firstControls[axis]};
+        const row = rows.value[t.valueRow(line, subs / 64)];
+        return {code, subs, k: StreamDecoder.k(io, row, line || t.run > 0 ? 0 : t.sign)};
+    }
+    static cubicCode(io, rows, t, left) {
+        if (t.run > 0) {
+            if (io.flag(1, 6)) return JUMP;
+            return t.run === 3 ? io.symbol(rows.length[17]) : t.lastCode;
+        }
+        const r = Math.min(t.lastCode, 16);
+        if (!t.loose()) {
+            const b = [4, 7, 10, 13, 17, 25, 40].filter((x) => x * t.lastTicks <= 10 * left).length;
+            const way = io.symbol(rows.way[8 * r + b]);
+            if (way === 0) return io.symbol(rows.length[r]);
+            if (way === 1) return TO_END;
+        }
+        return io.flag(1, 5) ? JUMP : LINE + io.symbol(rows.line[0]);
+    }
+    static k(io, row, sign) {
+        const y = io.symbol(row);
+        let x = y % 2 === 1 ? (y + 1) / 2 : -y / 2;
+        if (y === 31) {
+            const more = io.golomb(0);
+            if (more > 2 ** 30) throw new Nonsense("k");
+            x = io.half() ? -(more + 16) : more + 16;
+        }
+        return (sign < 0 ? -x : x) + 0;
     }
     pieces(io, pieces, channel, c, axis, t, frameStart) {
         let left = 64 * (c.last - c.first), rebased = false;
@@ -726,14 +888,7 @@ class StreamDecoder {
         const k = [];
         for (let i = 0; i < t.n; ++i) {
             const row = StreamDecoder.row(c.kind, t, code, subs / 64, i, k.some((x) => x !== 0));
-            const y = io.symbol(rows.value[row]);
-            let x = y % 2 === 1 ? (y + 1) / 2 : -y / 2;
-            if (y === 31) {
-                const size = io.golomb(0);
-                if (size > 2 ** 30) throw new Nonsense("k");
-                x = io.half() ? -(size + 16) : size + 16;
-            }
-            k.push((t.sign[i] < 0 ? -x : x) + 0);
+            k.push(StreamDecoder.k(io, rows.value[row], t.sign[i]));
         }
         return {code, subs, k, ends: false};
     }
@@ -765,7 +920,9 @@ class StreamDecoder {
         c.live = c.goesOn;
         if (!c.live) return;
         for (const t of c.tracks) {
-            if (restart || this.header.independent) t.forget(restart);
+            if (c.cubic) {
+                if (restart) t.restart();
+            } else if (restart || this.header.independent) t.forget(restart);
             else if (c.rotates) t.rebase(c.steps[0]);
         }
     }

@@ -12,7 +12,7 @@
 namespace fairlead::test {
 
 /// As the host tools: up to 12 axes and 4 rotations.
-using ListingDecoder = wire::Decoder<12, 4, wire::KindSet<curve::Smooth>>;
+using ListingDecoder = wire::Decoder<12, 4, wire::KindSet<curve::Smooth, curve::Cubics>>;
 
 class Listing {
   public:
@@ -37,7 +37,15 @@ class Listing {
         std::snprintf(line, sizeof line, format, values...);
         text += line;
     }
-    void add(const wire::CurvePiece& p) {
+    void add(const ListingDecoder::Piece& p) {
+        if (p.cubic) {
+            const curve::CubicVertex& from = p.span.start[0];
+            add("cubic %u %u %" PRId64 " %" PRId64 " %u %" PRId64 " %" PRId64 " %" PRId64
+                " %" PRId64 "\n",
+                unsigned{p.channel}, unsigned{p.axis}, p.start, p.end, unsigned{p.code}, from.p,
+                from.v, from.a, p.span.j[0]);
+            return;
+        }
         add("piece %u %u %" PRId64 " %" PRId64 " %u %d", unsigned{p.channel}, unsigned{p.axis},
             p.start, p.end, unsigned{p.code}, int{p.fresh && p.code != curve::code::jump});
         for (std::size_t c = 0; c < (p.rotates ? 3u : 1u); ++c)
@@ -53,7 +61,7 @@ class Listing {
             add("run %u stream %u base %" PRId64 " sub %u\n", unsigned{decoder.run()},
                 unsigned{decoder.stream_id()}, decoder.grid().base_ns, decoder.grid().sub_ns);
         }
-        wire::CurvePiece piece;
+        ListingDecoder::Piece piece;
         while (decoder.next(piece)) add(piece);
         Event event;
         while (decoder.next_event(event))

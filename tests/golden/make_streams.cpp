@@ -4,6 +4,7 @@
 #include <string>
 
 #include "fairlead/wire/events.hpp"
+#include "tests/unit/cubic_stream.hpp"
 #include "tests/unit/random_stream.hpp"
 
 namespace {
@@ -89,4 +90,12 @@ int main(int argc, char** argv) {
     o.base_ns = -9'000'000'000'000'000'000;
     append(runs, random_stream(o, 8, 12));
     write(folder + "runs.bin", runs);
+    // C2 cubics; lost: every 17th frame is left out
+    CubicStream cubics{9};
+    ByteVector bytes = cubics.header();
+    for (unsigned i = 1; i <= 45; ++i) {
+        const ByteVector frame = cubics.frame(i % 4 == 0);
+        if (i % 17 != 0) append(bytes, frame);
+    }
+    write(folder + "cubics.bin", bytes);
 }

@@ -1,6 +1,7 @@
 // Prints the tables of docs/stream.md as JSON, for docs/stream_tables.json.
 #include <cstdio>
 
+#include "fairlead/code/cubic_tables.hpp"
 #include "fairlead/code/tables.hpp"
 
 namespace {
@@ -23,11 +24,23 @@ void print(const char* end) {
     print("value", code::costs<Kind, N>.value, "");
     std::printf("  }%s\n", end);
 }
+void print_cubics(const char* end) {
+    const auto& costs = code::cubic_costs<1>;
+    std::printf("  {\"kind\": %u, \"components\": 1,\n", unsigned{curve::Cubics::id});
+    std::uint8_t line[1][code::cubic_line_symbols];
+    for (std::size_t i = 0; i < code::cubic_line_symbols; ++i) line[0][i] = costs.line[i];
+    print("way", costs.way, ",");
+    print("length", costs.length, ",");
+    print("line", line, ",");
+    print("value", costs.value, "");
+    std::printf("  }%s\n", end);
+}
 }  // namespace
 
 int main() {
     std::puts("[");
     print<curve::Smooth, 1>(",");
-    print<curve::Smooth, 3>("");
+    print<curve::Smooth, 3>(",");
+    print_cubics("");
     std::puts("]");
 }

@@ -16,6 +16,8 @@ VERSION = 5
 UNWRAPS, UNWRAPS_NEAR = 64, 4  # times that a reader that joins tries; those that need no further check
 LENGTHS = [1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 120]
 TO_END, JUMP, REBASE, LINE = 16, 17, 18, 19
+CUBICS = 3
+U = 960 ** 3
 POWERS = [32768, 31379, 30049, 28775, 27555, 26386, 25268, 24196, 23171, 22188, 21248, 20347, 19484, 18658, 17867, 17109]
 
 
@@ -30,7 +32,7 @@ def frequency(cost):
 def load_tables():
     tables = {}
     for t in json.loads((PAGE / "stream_tables.json").read_text()):
-        rows = {name: [[frequency(c) for c in row] for row in t[name]] for name in ("length", "value")}
+        rows = {name: [[frequency(c) for c in row] for row in t[name]] for name in t if name not in ("kind", "components")}
         tables[t["kind"], t["components"]] = rows
     return tables
 
@@ -404,6 +406,95 @@ class Track:
         return rise
 
 
+class Cubic:
+    """State of an axis of cubics. p, v, a in 1 / (6 U), 1 / (2 U), 1 / U."""
+    n = 1
+
+    def __init__(self, value=None):
+        self.p, self.v, self.a = 6 * U * (value or 0), 0, 0
+        self.c1 = self.c2 = self.last_k = self.before_k = self.sign = 0
+        self.last_code, self.last_ticks, self.phase, self.run = JUMP, 1, 0, 0
+        self.known = value is not None  # a reader that joins knows no value
+        if not self.known:
+            self.restart()
+
+    def restart(self):
+        self.last_k = self.before_k = self.sign = 0
+        self.last_code, self.last_ticks, self.phase, self.run = TO_END, 1, 0, 3
+
+    def loose(self):
+        return self.last_code == JUMP and self.run == 0
+
+    def near(self):
+        return (self.p + 3 * U) // (6 * U)
+
+    def bend(self, h):
+        return 1024 * h * h * self.a // U
+
+    def ratio(self, h):
+        return 0 if h == self.last_ticks else 1 if h > self.last_ticks else 2
+
+    def control(self, h):
+        if self.run == 3:
+            return 0
+        if self.run == 2:
+            return self.c1
+        if self.run == 1:
+            return self.c2 + (9 * (self.c2 - self.c1) + 5) // 10
+        wt, wb = ((113, 84), (115, 69), (122, 89))[self.ratio(h)]
+        part, travel = 1024 * (self.p - 6 * U * self.near()) // (6 * U), 1024 * h * self.v // (2 * U)
+        return self.near() + (64 * part + wt * travel + wb * self.bend(h) + 32768) // 65536
+
+    def step(self, code, subs, k):
+        """Returns p, v, a, j of the piece; None of a jump, and where they are not known."""
+        if code == JUMP:
+            aim = (0 if self.run else self.near()) + k
+            if abs(aim) > 1 << 30:
+                raise Nonsense("jump")
+            self.p, self.v, self.a = 6 * U * aim, 0, 0
+            self.last_k = self.before_k = self.sign = self.run = 0
+            self.last_code, self.last_ticks, self.known = JUMP, 1, True
+            self.phase = (self.phase + subs) % 64
+            return None
+        h, line, run = subs // 64, code >= LINE, self.run
+        if self.loose() and not line:
+            raise Nonsense("piece")
+        if run and (line or code == TO_END or run < 3 and h != self.last_ticks):
+            raise Nonsense("run")
+        aim = k + (self.near() + (1024 * h * self.v // (2 * U) + 512) // 1024 if line else self.control(h))
+        if abs(aim) > 1 << 30 or abs(k) > (1 << 30 if run == 3 else 1 << 20):
+            raise Nonsense("aim")
+        drawn = None
+        if self.known:
+            if abs(aim - self.near()) > 1 << 17:
+                raise Nonsense("aim")
+            p, v, a, j = self.p, self.v, self.a, 0
+            if line:
+                v, a = rounded(6 * U * aim - p, 3 * h), 0
+            else:
+                j = rounded(6 * U * aim - p - 6 * h * v - 11 * h * h * a, 6 * h ** 3)
+            drawn = p, v, a, j
+            self.p, self.v, self.a = p + 3 * h * v + 3 * h * h * a + h ** 3 * j, v + 2 * h * a + h * h * j, a + h * j
+            if abs(v) > U << 14 or abs(a) > U << 11:
+                raise Nonsense("bounds")
+        if run == 1:
+            self.p, self.v, self.a = (U * (self.c1 + 4 * self.c2 + aim), U * (aim - self.c1) // h,
+                                      U * (self.c1 - 2 * self.c2 + aim) // h ** 2)
+            self.known = True
+        if abs(self.p) > 6 * U << 30 or abs(self.v) > U << 14 or abs(self.a) > U << 11:
+            raise Nonsense("bounds")
+        if run == 3:
+            self.c1 = aim
+        elif run == 2:
+            self.c2 = aim
+        elif run == 0:
+            self.before_k, self.last_k = (0, 0) if line else (self.last_k, max(-100, min(100, k)))
+            self.sign = 0 if line else (1 if k > 0 else -1) if k else self.sign
+        self.run = max(0, run - 1)
+        self.last_code, self.last_ticks = code - LINE if line else code, h
+        return drawn
+
+
 # ---- the stream
 
 class Channel:
@@ -411,7 +502,8 @@ class Channel:
         self.rotates, self.kind, self.axes, self.tolerance = rotates, kind, axes, tolerance
         self.step = [f32(m * 2.0 ** e) for m, e in steps]
         self.origin = (origin[0] & 3, [origin[0] >> 2] + origin[1:]) if rotates else origin
-        self.tracks = [Track(3)] if rotates else [Track(1) for _ in range(axes)]
+        self.cubic = kind == CUBICS
+        self.tracks = [Track(3)] if rotates else [Cubic(0) if self.cubic else Track(1) for _ in range(axes)]
         self.live, self.hidden, self.grid = False, False, None
 
 
@@ -629,14 +721,14 @@ class Decoder:
         tells, restart = restart, restart and not independent
         if joining:
             for c in channels:
-                c.tracks = [Track(t.n) for t in c.tracks]
+                c.tracks = [Cubic() if c.cubic else Track(t.n) for t in c.tracks]
                 c.live = False
         for c in channels:
             self.ends(io, c, restart, independent, reading)
         if reading == "joining":
             for c in channels:
                 c.live = c.hidden = c.goes_on
-                for i, t in enumerate(c.tracks if c.live else []):
+                for i, t in enumerate(c.tracks if c.live and not c.cubic else []):
                     t.anchor = from_grid(c.told, c.step[0]) if c.rotates else t.anchor
                     t.v = [0] * 3 if c.rotates else [c.told[i]]
         else:
@@ -650,10 +742,16 @@ class Decoder:
             for number, c in enumerate(channels):  # curves of a single vertex
                 for i, t in enumerate(c.tracks if c.present and c.first == c.last and not c.goes_on else []):
                     at = start + 64 * c.first
+                    if c.cubic:
+                        lines.append(self.line(number, i, at, at, JUMP, 0, [t.near()], [0], [0], c, None))
+                        continue
                     lines.append(self.line(number, i, at, at, JUMP, t.fresh, t.v, t.s, [0] * t.n, c, t.anchor))
             for number, c in enumerate(channels):
                 for i, t in enumerate(c.tracks if c.present else []):
-                    self.pieces(io, lines, number, c, i, t, start, restart, independent)
+                    if c.cubic:
+                        self.cubics(io, lines, number, c, i, t, start)
+                    else:
+                        self.pieces(io, lines, number, c, i, t, start, restart, independent)
             if not io.finished():
                 raise Nonsense("the payload is not what an encoder writes")
             for line in lines:
@@ -675,7 +773,7 @@ class Decoder:
         usual = restart or c.live
         c.goes_on = usual if io.flag(15, 4) else not usual
         c.told = None
-        if c.goes_on and (restart or independent and c.rotates):
+        if c.goes_on and (restart or independent and c.rotates) and not c.cubic:
             c.told = io.grid(c.step[0], c.origin) if c.rotates else io.places(c.origin)
 
     def start_told(self, io, c, reading):
@@ -705,9 +803,14 @@ class Decoder:
             c.tracks = [Track(3)]
             c.tracks[0].anchor = from_grid(io.grid(c.step[0], c.origin), c.step[0])
         elif c.starts:
-            c.tracks = [Track(1) for _ in range(c.axes)]
-            for t, v in zip(c.tracks, io.places(c.origin)):
-                t.v = [v]
+            c.tracks = [Cubic(0) if c.cubic else Track(1) for _ in range(c.axes)]
+            for i, (t, v) in enumerate(zip(c.tracks, io.places(c.origin))):
+                if c.cubic:
+                    c.tracks[i] = Cubic(v)
+                else:
+                    t.v = [v]
+        elif c.cubic and c.last > c.first and c.tracks[0].run == 3:
+            c.first_controls = io.places(c.origin)
 
     def pieces(self, io, lines, number, c, axis, t, start, restart, independent):
         left = 64 * (c.last - c.first)
@@ -745,6 +848,74 @@ class Decoder:
             if not hidden:
                 lines.append(self.line(number, axis, at, at + subs, code, fresh, v, s, rise, c, anchor))
 
+    def cubics(self, io, lines, number, c, axis, t, start):
+        left = 64 * (c.last - c.first)
+        while left > 0:
+            known, near = t.known, t.near()
+            code, subs, k = self.cubic(io, c, axis, t, left)
+            drawn = t.step(code, subs, k)
+            at = start + 64 * c.last - left
+            left -= subs
+            if not known:
+                continue
+            if code == JUMP:
+                lines.append(self.line(number, axis, at, at + subs, code, 0, [t.near()], [t.near() - near], [0], c, None))
+            else:
+                lines.append(f"cubic {number} {axis} {at} {at + subs} {code} " + " ".join(map(str, drawn)))
+
+    def cubic(self, io, c, axis, t, left):
+        rows = self.tables[CUBICS, 1]
+        code = JUMP if t.phase else self.cubic_code(io, rows, t, left // 64)
+        if code == JUMP:
+            subs = self.duration(io, t.phase)
+            if subs > left:
+                raise Nonsense("duration")
+            return code, subs, self.plain(io)
+        length, line = code - LINE if code >= LINE else code, code >= LINE
+        subs = left if length == TO_END else 64 * LENGTHS[length]
+        if subs > left or left % 64:
+            raise Nonsense("duration")
+        if t.run == 3:
+            return code, subs, c.first_controls[axis]
+        h = subs // 64
+        size = 0 if h <= 12 else 1 if h <= 30 else 2
+        if line:
+            row = 78 + size
+        elif t.run:
+            row = size + (0 if t.run == 2 else 3)
+        else:
+            x = 512 * abs(t.last_k) + 256 * abs(t.before_k) + abs(t.bend(h)) // 4 + 12
+            n = sum(x > limit for limit in (358, 819, 1536, 2662, 4301, 7168, 12288))
+            row = 6 + (3 * n + t.ratio(h)) * 3 + size
+        return code, subs, self.k(io, rows["value"][row], 0 if line or t.run else t.sign)
+
+    @staticmethod
+    def k(io, row, sign):
+        y = io.symbol(row)
+        x = (y + 1) // 2 if y & 1 else -(y // 2)
+        if y == 31:
+            size = io.golomb(0)
+            if size > 1 << 30:
+                raise Nonsense("k")
+            x = -(size + 16) if io.half() else size + 16
+        return -x if sign < 0 else x
+
+    @staticmethod
+    def cubic_code(io, rows, t, left):
+        if t.run:
+            if io.flag(1, 6):
+                return JUMP
+            return io.symbol(rows["length"][17]) if t.run == 3 else t.last_code
+        r = min(t.last_code, 16)
+        if not t.loose():
+            b = sum(limit * t.last_ticks <= 10 * left for limit in (4, 7, 10, 13, 17, 25, 40))
+            way = io.symbol(rows["way"][8 * r + b])
+            if way == 0:
+                return io.symbol(rows["length"][r])
+            if way == 1:
+                return TO_END
+        return JUMP if io.flag(1, 5) else LINE + io.symbol(rows["line"][0])
+
     def piece(self, io, c, t, left, told):
         """Code, duration, k, and whether the piece ends where it was told."""
         rows = self.tables[c.kind, t.n]
@@ -770,16 +941,7 @@ class Decoder:
             return code, subs, None, True
         h, k = subs // 64, []
         for i in range(t.n):
-            row = rows["value"][self.row(c.kind, t, code, h, i, any(k))]
-            y = io.symbol(row)
-            if y == 31:
-                size = io.golomb(0)
-                if size > 1 << 30:
-                    raise Nonsense("k")
-                x = -(size + 16) if io.half() else size + 16
-            else:
-                x = (y + 1) // 2 if y & 1 else -(y // 2)
-            k.append(-x if t.sign[i] < 0 else x)
+            k.append(self.k(io, rows["value"][self.row(c.kind, t, code, h, i, any(k))], t.sign[i]))
         return code, subs, k, False
 
     @staticmethod
@@ -822,7 +984,10 @@ class Decoder:
             c.hidden = False
         c.live = c.goes_on
         for t in c.tracks if c.live else []:
-            if restart or independent:
+            if c.cubic:
+                if restart:
+                    t.restart()
+            elif restart or independent:
                 t.forget(restart)
             elif c.rotates:
                 t.rebase(c.step[0])

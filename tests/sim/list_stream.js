@@ -17,6 +17,10 @@ for (const file of process.argv.slice(2)) {
         run(h) { lines.push(`run ${h.run} stream ${h.streamId} base ${h.baseNs} sub ${h.subNs}`); },
         event(e) { lines.push(`event ${e.tNs} ${e.channel} ${e.value}`); },
         piece(p) {
+            if (p.cubic) {
+                lines.push(`cubic ${p.channel} ${p.axis} ${p.start} ${p.end} ${p.code} ${p.cubic.join(" ")}`);
+                return;
+            }
             const numbers = p.v.map((v, i) => `${v} ${p.s[i]} ${hex(p.rise[i])}`).join(" ");
             const anchor = p.rotates ? " " + p.anchor.map(hex).join(" ") : "";
             lines.push(`piece ${p.channel} ${p.axis} ${p.start} ${p.end} ${p.code} ${p.fresh ? 1 : 0} ${numbers}${anchor}`);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The steps of C2 cubics in integers of any size, and the moves of their charts in single precision, written from
-docs/cubics.md: walks the courses of the unit tests WalksAFixedCourseToTheSameBitsEverywhere of Cubic and CubicRotation,
-and compares the digests."""
+docs/stream.md (Cubics) and docs/cubics.md: walks the courses of the unit tests
+WalksAFixedCourseToTheSameBitsEverywhere of Cubic and CubicRotation, and compares the digests."""
 import pathlib
 import re
 import struct

@@ -327,5 +327,23 @@ TEST(Cubic, WalksAFixedCourseToTheSameBitsEverywhere) {
     EXPECT_EQ(sum, digest);
 }
 
+template <std::int64_t D>
+void expect_floored(std::mt19937_64& random) {
+    for (int i = 0; i < 20000; ++i) {
+        auto n = static_cast<std::int64_t>(random()) >> (random() % 62);
+        if (i % 3 == 0) n = n / D * D + static_cast<std::int64_t>(random() % 3) - 1;
+        ASSERT_EQ(curve::detail::floored_by<D>(n), curve::detail::floored(n, D)) << n;
+    }
+    for (const std::int64_t n : {std::int64_t{0}, std::int64_t{-1}, INT64_MAX, INT64_MIN})
+        ASSERT_EQ(curve::detail::floored_by<D>(n), curve::detail::floored(n, D)) << n;
+}
+TEST(Cubic, DivisionsByUnitsOf32BitsEqualThoseOf64) {
+    std::mt19937_64 random{3};
+    expect_floored<6 * curve::cubic_unit>(random);
+    expect_floored<6 * curve::cubic_unit / curve::fine>(random);
+    expect_floored<2 * curve::cubic_unit / curve::fine>(random);
+    expect_floored<curve::cubic_unit / curve::fine>(random);
+}
+
 }  // namespace
 }  // namespace fairlead

@@ -60,6 +60,12 @@ TEST(Golden, TablesAreThoseOfTheSpecification) {
     };
     add(code::costs<curve::Smooth, 1>, 1, 1);
     add(code::costs<curve::Smooth, 3>, 1, 3);
+    const code::CubicCosts& cubics = code::cubic_costs<1>;
+    ours.insert(ours.end(), {curve::Cubics::id, 1});
+    for (const auto& row : cubics.way) ours.insert(ours.end(), std::begin(row), std::end(row));
+    for (const auto& row : cubics.length) ours.insert(ours.end(), std::begin(row), std::end(row));
+    ours.insert(ours.end(), std::begin(cubics.line), std::end(cubics.line));
+    for (const auto& row : cubics.value) ours.insert(ours.end(), std::begin(row), std::end(row));
     EXPECT_TRUE(ours == specified) << "make tables writes docs/stream_tables.json too";
 }
 

@@ -20,6 +20,7 @@ struct Options {
     std::string recordings{"../shared/recordings/tracker120"};
     std::string folder{"build/peers"};
     std::vector<std::int32_t> delays{60, 120, 240};
+    std::string tables;  // file to write
     int passes{4};
     bool rivals{true}, verbose{};
     c2::StreamParams stream;
@@ -113,6 +114,11 @@ int measure(const Options& options) {
         if (cell.track.channel == Channel::position && !cell.generated) cells.push_back(cell);
     });
     if (cells.empty()) return 0;
+    if (!options.tables.empty()) {
+        Half all;
+        for (const Cell& cell : cells) all.push_back(&cell);
+        return c2::write_tables(trained(all, options), options.tables) ? 0 : 1;
+    }
     // two cells a recording, fine and coarse; recordings take turns
     std::array<Half, 2> half;
     for (std::size_t i = 0; i < cells.size(); ++i) half[i / 2 % 2].push_back(&cells[i]);
@@ -151,6 +157,8 @@ int main(int argc, char** argv) {
     app.add_option("--delays", options.delays, "records that a sample may wait")
         ->check(CLI::Range(8, 240))
         ->delimiter(',');
+    app.add_option("--tables", options.tables,
+                   "write the library's tables, trained on all recordings, to this file");
     app.add_option("--passes", options.passes, "of training")->check(CLI::Range(1, 20));
     app.add_option("--width", options.stream.search.width, "vertices kept at a record")
         ->check(CLI::Range(1, 200));

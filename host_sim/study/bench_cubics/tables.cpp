@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 namespace fairlead::sim::cubics {
 namespace {
@@ -128,6 +129,39 @@ Costs train(const Counts& counts) {
     costs.line = costs_of(line);
     train_values(counts, costs);
     return costs;
+}
+
+bool write_tables(const Costs& costs, const std::string& file) {
+    std::ofstream out{file};
+    const auto row = [&out](const auto& costs_of_row) {
+        out << "{";
+        for (std::size_t i = 0; i < costs_of_row.size(); ++i)
+            out << (i > 0 ? ", " : "") << static_cast<unsigned>(costs_of_row[i]);
+        out << "}";
+    };
+    const auto rows = [&](const auto& all) {
+        out << "    {\n";
+        for (const auto& one : all) out << "        ", row(one), out << ",\n";
+        out << "    },\n";
+    };
+    out << "#pragma once\n"
+           "// Generated (make cubic-tables). Costs of symbols in 1/16 bit; code/cubic_model.hpp\n"
+           "// says what the rows are. Trained on the positions of the 13 recordings of "
+           "tracker120\n"
+           "// (BROAD): delay 120 records, 1 and 5 mm.\n"
+           "#include \"fairlead/code/cubic_model.hpp\"\n\n"
+           "// clang-format off\n"
+           "namespace fairlead::code {\n\n"
+           "template <std::size_t N>\nextern const CubicCosts cubic_costs;\n\n"
+           "template <>\ninline constexpr CubicCosts cubic_costs<1>{\n";
+    rows(costs.way);
+    rows(costs.length);
+    out << "    ";
+    row(costs.line);
+    out << ",\n";
+    rows(costs.value);
+    out << "};\n\n}  // namespace fairlead::code\n// clang-format on\n";
+    return static_cast<bool>(out.flush());
 }
 
 double value_bits(const Costs& costs, std::size_t row, std::int32_t k, std::int8_t sign) {

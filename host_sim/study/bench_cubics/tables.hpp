@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "fairlead/code/model.hpp"
@@ -44,6 +45,8 @@ std::size_t value_row(const State& state, std::int32_t h, bool line);
 
 /// Costs of what was counted, with something expected of each symbol.
 Costs train(const Counts& counts);
+/// Writes code/cubic_tables.hpp. @return false: the file could not be written.
+bool write_tables(const Costs& costs, const std::string& file);
 
 /// Bits of a k in its row.
 double value_bits(const Costs& costs, std::size_t row, std::int32_t k, std::int8_t sign);

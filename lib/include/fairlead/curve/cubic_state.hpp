@@ -62,6 +62,18 @@ struct CubicState {
     }
 };
 
+/// Is it the same state, bit for bit?
+template <std::size_t N>
+constexpr bool same(const CubicState<N>& a, const CubicState<N>& b) noexcept {
+    bool all = a.last_code == b.last_code && a.last_ticks == b.last_ticks && a.phase == b.phase &&
+               a.run == b.run && a.known == b.known;
+    for (std::size_t c = 0; c < N; ++c)
+        all = all && a.at[c] == b.at[c] && a.control[c] == b.control[c] &&
+              a.control_before[c] == b.control_before[c] && a.last_k[c] == b.last_k[c] &&
+              a.before_k[c] == b.before_k[c] && a.sign[c] == b.sign[c];
+    return all;
+}
+
 /// One piece as it is drawn: from `start` with the third derivative j; a jump holds `start`.
 template <std::size_t N>
 struct CubicSpan {
@@ -107,7 +119,8 @@ constexpr std::int32_t predicted_control(const CubicState<N>& s, std::size_t c,
 template <std::size_t N>
 constexpr std::int32_t predicted_end(const CubicState<N>& s, std::size_t c,
                                      std::int32_t h) noexcept {
-    const std::int64_t travel = detail::floored(std::int64_t{h} * s.at[c].v, 2 * cubic_unit / fine);
+    const std::int64_t travel =
+        detail::floored_by<2 * cubic_unit / fine>(std::int64_t{h} * s.at[c].v);
     return static_cast<std::int32_t>(lattice_near(s.at[c]) +
                                      detail::floored(travel + fine / 2, fine));
 }

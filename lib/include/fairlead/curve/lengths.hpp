@@ -36,13 +36,17 @@ inline constexpr std::uint8_t none = 255;
 /// The kinds of curve that a stream may hold; the header of the stream names one by its id.
 struct Smooth {  // quadratics whose slope is continuous
     static constexpr std::uint8_t id = 1;
-    static constexpr bool lines = false;
+    static constexpr bool cubic = false, lines = false;
     static constexpr std::size_t codes = 19;
 };
 struct Corners {  // the same, and straight lines, where the slope may jump at both ends
     static constexpr std::uint8_t id = 2;
-    static constexpr bool lines = true;
+    static constexpr bool cubic = false, lines = true;
     static constexpr std::size_t codes = 36;
+};
+struct Cubics {  // cubics whose second derivative is continuous (cubic.hpp); vectors only
+    static constexpr std::uint8_t id = 3;
+    static constexpr bool cubic = true;
 };
 
 constexpr bool is_line(std::uint8_t c) noexcept {

@@ -14,6 +14,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fairlead/code/cubic_pieces.hpp"
+#include "fairlead/code/cubic_tables.hpp"
 #include "fairlead/code/pieces.hpp"
 #include "fairlead/code/tables.hpp"
 #include "fairlead/wire/frame_head.hpp"
@@ -37,36 +39,13 @@ enum class Reading : std::uint8_t {
     joining,  // a restart frame: takes the state at its end, and can read no more than that
 };
 
-/// The pieces of all kinds that a coder knows. One kind costs the tables of that kind alone.
-template <class... Kinds>
-struct KindSet {
-    static constexpr bool has(std::uint8_t id) noexcept { return ((Kinds::id == id) || ...); }
-
-    /// The tables of a kind that has() knows.
-    template <std::size_t N>
-    static constexpr code::CostsView costs(std::uint8_t id) noexcept {
-        code::CostsView view{code::costs<First<Kinds...>, N>};
-        static_cast<void>(
-            ((Kinds::id == id && (view = code::CostsView{code::costs<Kinds, N>}, true)) || ...));
-        return view;
-    }
-
-  private:
-    template <class Kind, class...>
-    struct Head {
-        using Type = Kind;
-    };
-    template <class... All>
-    using First = typename Head<All...>::Type;
-};
-
 /// Codes the content of one frame. Io: code::RangeEncoder, code::RangeDecoder or code::Counter.
 /// Independent: false where no stream of independent frames is coded.
 template <class Io, std::size_t Axes, std::size_t Rotations, class Kinds, bool Independent = true>
 class Content {
   public:
     using Layout = Tracks<Axes, Rotations>;
-    using States = TrackStates<Axes, Rotations>;
+    using States = TrackStates<Axes, Rotations, Kinds>;
     static constexpr std::size_t channels_most = Layout::channels_most;
 
     /// Where coding stands: the track whose piece comes next.
@@ -78,7 +57,8 @@ class Content {
 
     // an encoder fills these before open()
     std::array<ChannelFrame, channels_most> channel{};
-    Places<Axes, Rotations> told{};  // at the end, of a frame that tells it
+    // at the end, of a frame that tells it; of cubics in a run, the first control points of it
+    Places<Axes, Rotations> told{};
 
     /// The part before the pieces. An encoder has set the states of channels that start to their
     /// first vertices. first: places at their start, of the rotations that tell them; a reader's
@@ -107,7 +87,84 @@ class Content {
     bool piece(Io& io, const Layout& layout, States& states, std::uint8_t& c, std::uint16_t& subs,
                std::int32_t* k) noexcept {
         const TrackRange& range = layout.channel[place_.channel];
-        const bool turns = Layout::turns(range), told_end = ends_told(place_.channel, turns);
+        if constexpr (Kinds::cubics && Axes > 0) {
+            curve::CubicSpan<1> span;
+            if (cubic(range)) return cubic_piece(io, layout, states, c, subs, k, span);
+        }
+        if constexpr (Kinds::quadratics)
+            return quadratic_piece(io, layout, states, c, subs, k);
+        else
+            return false;
+    }
+    /// The next piece, of a track of cubics. k: of one component. span: how it is drawn.
+    bool cubic_piece(Io& io, const Layout& layout, States& states, std::uint8_t& c,
+                     std::uint16_t& subs, std::int32_t* k, curve::CubicSpan<1>& span) noexcept {
+        const TrackRange& range = layout.channel[place_.channel];
+        const std::size_t at = range.first + std::size_t{place_.track};
+        curve::CubicState<1>& state = states.cubic[at];
+        curve::Piece<1> piece{c, subs, {k[0]}};
+        if (!Io::writes && state.run == 3) piece.k[0] = told.value[at];
+        if (!code::code_cubic(io, code::cubic_costs<1>, state, piece, place_.left, span))
+            return false;
+        c = piece.code;
+        subs = piece.subs;
+        k[0] = piece.k[0];
+        return leave(layout, subs);
+    }
+
+    /// After the last piece: the seam to the next frame.
+    void close(const Layout& layout, States& states) const noexcept {
+        for (std::size_t c = 0; c < layout.channels; ++c) {
+            const auto bit = static_cast<std::uint8_t>(1u << c);
+            const TrackRange& range = layout.channel[c];
+            states.live = static_cast<std::uint8_t>(states.live & ~bit);
+            if (channel[c].present && channel[c].end_tick > channel[c].start_tick)
+                states.hidden = static_cast<std::uint8_t>(states.hidden & ~bit);
+            if (!channel[c].goes_on) continue;
+            states.live = static_cast<std::uint8_t>(states.live | bit);
+            if (restart_ || lone())
+                restart(states, range);
+            else if (Layout::turns(range))
+                move_chart(layout, states, range);
+        }
+    }
+
+    /// Sets the states to those of a reader that joins at the end of this restart frame.
+    void join(const Layout& layout, States& states) const noexcept {
+        states = {};
+        for (std::size_t c = 0; c < layout.channels; ++c) {
+            const TrackRange& range = layout.channel[c];
+            if (!channel[c].goes_on) continue;
+            states.live = static_cast<std::uint8_t>(states.live | 1u << c);
+            if constexpr (Kinds::cubics && Axes > 0) {
+                for (std::size_t i = 0; cubic(range) && i < range.count; ++i)
+                    states.cubic[range.first + i] = curve::CubicState<1>::join();
+            }
+            if (!cubic(range)) put(layout, states, range, told);
+        }
+        states.hidden = states.live;
+    }
+
+    /// Does the frame tell absolutely where this channel ends? Cubics tell the first control points
+    /// of the next frame instead.
+    bool ends_told(const Layout& layout, std::size_t c) const noexcept {
+        const TrackRange& range = layout.channel[c];
+        return (restart_ || (lone() && Layout::turns(range))) && channel[c].goes_on &&
+               !cubic(range);
+    }
+
+  private:
+    using PlacesType = Places<Axes, Rotations>;
+
+    bool lone() const noexcept { return Independent && independent_; }
+    static constexpr bool cubic(const TrackRange& range) noexcept {
+        return Layout::template cubic<Kinds>(range);
+    }
+
+    bool quadratic_piece(Io& io, const Layout& layout, States& states, std::uint8_t& c,
+                         std::uint16_t& subs, std::int32_t* k) noexcept {
+        const TrackRange& range = layout.channel[place_.channel];
+        const bool turns = Layout::turns(range), told_end = ends_told(layout, place_.channel);
         const curve::StateView state = states.track(range, place_.track);
         const std::int32_t* to = nullptr;
         if constexpr (Axes > 0)
@@ -126,47 +183,19 @@ class Content {
         return leave(layout, subs);
     }
 
-    /// After the last piece: the seam to the next frame.
-    void close(const Layout& layout, States& states) const noexcept {
-        for (std::size_t c = 0; c < layout.channels; ++c) {
-            const auto bit = static_cast<std::uint8_t>(1u << c);
-            const TrackRange& range = layout.channel[c];
-            states.live = static_cast<std::uint8_t>(states.live & ~bit);
-            if (channel[c].present && channel[c].end_tick > channel[c].start_tick)
-                states.hidden = static_cast<std::uint8_t>(states.hidden & ~bit);
-            if (!channel[c].goes_on) continue;
-            states.live = static_cast<std::uint8_t>(states.live | bit);
-            if (restart_ || lone()) {
-                for (std::size_t i = 0; i < range.count; ++i)
-                    states.track(range, i).forget(restart_);
-            } else if constexpr (Rotations > 0) {
-                if (Layout::turns(range))
-                    curve::rebase(states.rotation[range.first], layout.step(range.first));
-            }
+    /// A reader may begin behind the frame: what predicts is forgotten.
+    void restart(States& states, const TrackRange& range) const noexcept {
+        for (std::size_t i = 0; i < range.count; ++i) {
+            if constexpr (Kinds::cubics && Axes > 0)
+                if (cubic(range)) states.cubic[range.first + i].restart();
+            if constexpr (Kinds::quadratics)
+                if (!cubic(range)) states.track(range, i).forget(restart_);
         }
     }
-
-    /// Sets the states to those of a reader that joins at the end of this restart frame.
-    void join(const Layout& layout, States& states) const noexcept {
-        states = {};
-        for (std::size_t c = 0; c < layout.channels; ++c) {
-            if (!channel[c].goes_on) continue;
-            states.live = static_cast<std::uint8_t>(states.live | 1u << c);
-            put(layout, states, layout.channel[c], told);
-        }
-        states.hidden = states.live;
+    static void move_chart(const Layout& layout, States& states, const TrackRange& range) noexcept {
+        if constexpr (Rotations > 0)
+            curve::rebase(states.rotation[range.first], layout.step(range.first));
     }
-
-    /// Does the frame tell absolutely where this channel ends?
-    bool ends_told(std::size_t c, bool rotates) const noexcept {
-        return (restart_ || (lone() && rotates)) && channel[c].goes_on;
-    }
-
-  private:
-    using PlacesType = Places<Axes, Rotations>;
-
-    bool lone() const noexcept { return Independent && independent_; }
-
     static code::CostsView costs(const TrackRange& range, bool turns) noexcept {
         if constexpr (Rotations == 0)
             return Kinds::template costs<1>(range.kind);
@@ -212,9 +241,8 @@ class Content {
                     curve::from_grid(at.grid[range.first], layout.step(range.first)), {}};
         } else if constexpr (Axes > 0) {
             for (std::size_t i = range.first; i < range.first + std::size_t{range.count}; ++i) {
-                states.axis[i] = {};
-                states.axis[i].v[0] = at.value[i];
                 good = good && inside(at.value[i], curve::vertex_max);
+                if (good) set_value(states, range, i, at.value[i]);
             }
         }
         return good;
@@ -232,7 +260,7 @@ class Content {
             }
         } else if constexpr (Axes > 0) {
             for (std::size_t i = range.first; i < range.first + std::size_t{range.count}; ++i)
-                good = good && states.axis[i].v[0] == at.value[i];
+                good = good && value(states, range, i) == at.value[i];
         }
         return good;
     }
@@ -244,7 +272,26 @@ class Content {
         if constexpr (Axes > 0) {
             if (Layout::turns(range)) return;
             for (std::size_t i = range.first; i < range.first + std::size_t{range.count}; ++i)
-                at.value[i] = states.axis[i].v[0];
+                at.value[i] = value(states, range, i);
+        }
+    }
+    /// Of an axis that stands on the lattice.
+    static std::int32_t value(const States& states, const TrackRange& range,
+                              std::size_t i) noexcept {
+        if constexpr (Kinds::cubics)
+            if (cubic(range)) return curve::lattice_near(states.cubic[i].at[0]);
+        if constexpr (Kinds::quadratics) return states.axis[i].v[0];
+        return 0;
+    }
+    /// An axis begins on the lattice.
+    static void set_value(States& states, const TrackRange& range, std::size_t i,
+                          std::int32_t v) noexcept {
+        if constexpr (Kinds::cubics)
+            if (cubic(range)) states.cubic[i] = curve::CubicState<1>::begin({v});
+        if constexpr (Kinds::quadratics) {
+            if (cubic(range)) return;
+            states.axis[i] = {};
+            states.axis[i].v[0] = v;
         }
     }
 
@@ -272,11 +319,12 @@ class Content {
         bool as_usual = frame.goes_on == usual;
         io.flag(as_usual, 15, 4);
         frame.goes_on = as_usual == usual;
-        return !ends_told(c, Layout::turns(range)) || code_place(io, layout, range, told);
+        return !ends_told(layout, c) || code_place(io, layout, range, told);
     }
     /// An independent frame tells the values and slopes at its start.
     bool start_told(Io& io, const Layout& layout, States& states, const TrackRange& range,
                     Reading reading, PlacesType& first) noexcept {
+        if (cubic(range)) return false;
         const bool known = reading == Reading::in_step;
         know(states, range, first);
         if (!code_place(io, layout, range, first)) return false;
@@ -326,9 +374,22 @@ class Content {
             if (!code_place(io, layout, range, first) || !put(layout, states, range, first))
                 return false;
         }
+        if (cubic(range) && live && frame.start_tick < frame.end_tick &&
+            !code_run(io, layout, states, range))
+            return false;
         // without a piece the curve is already where the frame tells that it ends
-        return frame.start_tick < frame.end_tick || !ends_told(c, Layout::turns(range)) ||
+        return frame.start_tick < frame.end_tick || !ends_told(layout, c) ||
                stand(layout, states, range, told);
+    }
+
+    /// The first control points of a run, of all axes.
+    bool code_run(Io& io, const Layout& layout, const States& states,
+                  const TrackRange& range) noexcept {
+        if constexpr (Kinds::cubics && Axes > 0) {
+            if (states.cubic[range.first].run != 3) return true;
+            return code_place(io, layout, range, told);
+        }
+        return true;
     }
 
     // ---- from track to track

@@ -5,15 +5,26 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "fairlead/curve/cubic_state.hpp"
 #include "fairlead/curve/rotation.hpp"
 #include "fairlead/curve/scale.hpp"
 #include "fairlead/math/quat.hpp"
 
 namespace fairlead::wire {
 
+namespace detail {
+struct NoCubic {};
+/// What a reader of C2 cubics tells beside.
+struct CubicPart {
+    bool cubic{false};           // the curve is that of `span`; a jump holds v
+    curve::CubicSpan<1> span{};  // exact (curve/cubic.hpp)
+};
+}  // namespace detail
+
 /// A piece of one track, an axis or a rotation, between two vertices of its curve. start < end but
-/// for a curve of a single vertex.
-struct CurvePiece {
+/// for a curve of a single vertex. Cubics: may it be a C2 cubic? A decoder's Piece says it.
+template <bool Cubics>
+struct BasicCurvePiece : std::conditional_t<Cubics, detail::CubicPart, detail::NoCubic> {
     std::uint8_t channel{0};
     std::uint8_t axis{0};             // of the channel; 0 for a rotation
     bool rotates{false};              // 3 components about the anchor; else 1
@@ -23,7 +34,7 @@ struct CurvePiece {
     bool fresh{false};                // a cubic leads from the slope to that of the chord
     std::uint8_t code{0};             // curve/lengths.hpp
     std::int64_t start{0}, end{0};    // sub-ticks since the run's base; Grid::time_ns() gives ns
-    std::array<std::int32_t, 3> v{};  // lattice steps at the start
+    std::array<std::int32_t, 3> v{};  // lattice steps at the start; of a cubic, the nearest there
     std::array<std::int32_t, 3> s{};  // slope there, 1/960 step a tick; of a jump: its size, steps
     std::array<float, 3> rise{};      // steps from start to end
     Quat anchor{};                    // of a rotation
@@ -36,6 +47,8 @@ struct CurvePiece {
     Real steps_at(Real ticks, std::size_t c = 0) const noexcept {
         // a curve that begins with a jump has its first value at its start alone
         if (jumps && begins && !(ticks > 0)) return static_cast<Real>(v[c] - s[c]);
+        if constexpr (Cubics)
+            if (this->cubic) return curve::value_at<Real>(this->span, 0, ticks);
         return static_cast<Real>(v[c]) + polynomial<Real>(c).rise(ticks);
     }
     /// Steps a tick, and steps a tick^2.
@@ -50,6 +63,8 @@ struct CurvePiece {
     template <class Real>
     curve::Polynomial<Real> polynomial(std::size_t c) const noexcept {
         if (start == end) return {};
+        if constexpr (Cubics)
+            if (this->cubic) return curve::cubic<Real>(this->span.start[0], this->span.j[0]);
         const std::int32_t h = subs() / curve::subs_per_tick;
         return curve::polynomial<Real>(code, fresh, s[c], static_cast<Real>(rise[c]), h);
     }
@@ -60,11 +75,12 @@ struct CurvePiece {
     }
     std::int32_t subs() const noexcept { return static_cast<std::int32_t>(end - start); }
 };
+using CurvePiece = BasicCurvePiece<false>;
 
 /// The rotation of a piece, `ticks` after its start.
-template <class Real>
-BasicQuat<Real> rotation_at(const CurvePiece& p, Real ticks) noexcept {
-    const Real step = p.scale.step<Real>();
+template <bool Cubics, class Real>
+BasicQuat<Real> rotation_at(const BasicCurvePiece<Cubics>& p, Real ticks) noexcept {
+    const Real step = p.scale.template step<Real>();
     const BasicVec3<Real> theta{step * p.steps_at(ticks, 0), step * p.steps_at(ticks, 1),
                                 step * p.steps_at(ticks, 2)};
     const BasicQuat<Real> anchor{static_cast<Real>(p.anchor.w), static_cast<Real>(p.anchor.x),

@@ -45,7 +45,8 @@ class Decoder {
 
   public:
     using Layout = Tracks<Axes, Rotations>;
-    using States = TrackStates<Axes, Rotations>;
+    using States = TrackStates<Axes, Rotations, Kinds>;
+    using Piece = BasicCurvePiece<Kinds::cubics>;  // what next() tells
     using Frames = Receiver<Parts::check_bits>;
     using Events = std::conditional_t<Parts::events, EventReader, NoEventReader>;
     static constexpr std::size_t finds_per_push = 8, finds_at_end = 4096;
@@ -85,7 +86,7 @@ class Decoder {
     }
 
     /// The next piece that the frame tells, track by track. @return false: none is left.
-    bool next(CurvePiece& piece) noexcept {
+    bool next(Piece& piece) noexcept {
         for (;;) {
             if (step_ == Step::points && point(piece)) return true;
             if (step_ != Step::pieces || content_.done(layout_)) return false;
@@ -182,8 +183,11 @@ class Decoder {
     /// Can this decoder follow such a stream? Lays out its channels.
     bool fits(const StreamShape& shape, Layout& layout) const noexcept {
         bool good = layout.take(shape) && (Parts::independent || !shape.timing.independent);
-        for (std::size_t c = 0; c < layout.channels; ++c)
-            good = good && Kinds::has(layout.channel[c].kind);
+        for (std::size_t c = 0; c < layout.channels; ++c) {
+            const TrackRange& range = layout.channel[c];
+            const bool alone = shape.timing.independent || range.rotates;
+            good = good && Kinds::has(range.kind) && !(alone && range.kind == curve::Cubics::id);
+        }
         return good;
     }
 
@@ -258,15 +262,21 @@ class Decoder {
     // ---- telling a frame again, piece by piece
 
     /// Where the track stands.
-    void describe(CurvePiece& piece, std::size_t channel, std::size_t track) noexcept {
+    void describe(Piece& piece, std::size_t channel, std::size_t track) noexcept {
         const TrackRange& range = layout_.channel[channel];
-        const curve::StateView state = walk_.track(range, track);
         piece = {};
         piece.channel = static_cast<std::uint8_t>(channel);
         piece.axis = static_cast<std::uint8_t>(track);
         piece.rotates = range.rotates;
-        piece.fresh = state.history.fresh;
         piece.scale = layout_.scale_of(range, track);
+        if constexpr (Kinds::cubics && Axes > 0)
+            if (cubic(range)) piece.v[0] = curve::lattice_near(cubic_state(range, track).at[0]);
+        if constexpr (Kinds::quadratics)
+            if (!cubic(range)) describe_quadratic(piece, range, track);
+    }
+    void describe_quadratic(Piece& piece, const TrackRange& range, std::size_t track) noexcept {
+        const curve::StateView state = walk_.track(range, track);
+        piece.fresh = state.history.fresh;
         for (std::size_t c = 0; c < state.n; ++c) {
             piece.v[c] = state.v[c];
             piece.s[c] = state.s[c];
@@ -276,7 +286,7 @@ class Decoder {
     }
     /// Curves of a single vertex, and those that ended with the frame before, have no piece here:
     /// told as pieces without duration; of the latter only that they ended.
-    bool point(CurvePiece& piece) noexcept {
+    bool point(Piece& piece) noexcept {
         constexpr std::size_t tracks = Axes + Rotations;
         while (point_ < 2 * tracks) {  // first the curves that ended, then those of this frame
             const bool over = point_ < tracks;
@@ -304,20 +314,60 @@ class Decoder {
         return false;
     }
     /// @return false: the piece is not to be told: its slope is not known, or it takes no time.
-    bool step(CurvePiece& piece) noexcept {
+    bool step(Piece& piece) noexcept {
         const typename Reader::Place place = content_.place();
-        const ChannelFrame& frame = content_.channel[place.channel];
         const TrackRange& range = layout_.channel[place.channel];
         describe(piece, place.channel, place.track);
+        bool hidden = false;
+        if constexpr (Kinds::cubics && Axes > 0)
+            if (cubic(range)) hidden = !step_cubic(piece, place);
+        if constexpr (Kinds::quadratics)
+            if (!cubic(range)) hidden = !step_quadratic(piece, place);
+        if (piece.jumps) ++counters_.breaks;
+        if (!hidden) piece.begins = take_pending(place.channel, place.track);
+        return !hidden;
+    }
+    static constexpr bool cubic(const TrackRange& range) noexcept {
+        return Layout::template cubic<Kinds>(range);
+    }
+    auto& cubic_state(const TrackRange& range, std::size_t track) noexcept {
+        return walk_.cubic[range.first + track];
+    }
+    /// When the piece is, by what remains of its channel before it.
+    void set_time(Piece& piece, const typename Reader::Place& place, std::uint8_t code,
+                  std::uint16_t subs) const noexcept {
+        const ChannelFrame& frame = content_.channel[place.channel];
+        const std::int64_t last = frame_start_ + frame.end_tick * sub_per_tick;
+        piece.start = last - place.left;
+        piece.end = piece.start + subs;
+        piece.code = code;
+        piece.jumps = code == curve::code::jump;
+        piece.ends = !frame.goes_on && piece.end == last;
+    }
+    /// @return false: the state before is not known, and the piece cannot be drawn.
+    bool step_cubic(Piece& piece, const typename Reader::Place& place) noexcept {
+        curve::CubicState<1>& state = cubic_state(layout_.channel[place.channel], place.track);
+        const bool known = state.known;
+        curve::Piece<1> next;
+        content_.cubic_piece(io_, layout_, walk_, next.code, next.subs, next.k.data(), piece.span);
+        set_time(piece, place, next.code, next.subs);
+        piece.cubic = !piece.jumps;
+        const std::int32_t after = curve::lattice_near(state.at[0]);
+        if (piece.jumps) {
+            piece.s[0] = after - piece.v[0];
+            piece.v[0] = after;
+        } else {
+            piece.rise[0] = static_cast<float>(after - piece.v[0]);
+        }
+        return known;
+    }
+    /// @return false: its slope is not known, or it takes no time.
+    bool step_quadratic(Piece& piece, const typename Reader::Place& place) noexcept {
+        const TrackRange& range = layout_.channel[place.channel];
         curve::Piece<3> next;
         content_.piece(io_, layout_, walk_, next.code, next.subs, next.k.data());
         if (next.code == curve::code::rebase) return false;
-        const std::int64_t last = frame_start_ + frame.end_tick * sub_per_tick;
-        piece.start = last - place.left;
-        piece.end = piece.start + next.subs;
-        piece.code = next.code;
-        piece.jumps = next.code == curve::code::jump;
-        piece.ends = !frame.goes_on && piece.end == last;
+        set_time(piece, place, next.code, next.subs);
         const curve::StateView after = walk_.track(range, place.track);
         for (std::size_t c = 0; c < after.n; ++c) {
             if (piece.jumps) {  // the value holds after the jump, until the piece ends
@@ -329,18 +379,14 @@ class Decoder {
         }
         if constexpr (Rotations > 0) {
             if (!piece.jumps && next.subs == place.left && Layout::turns(range) &&
-                content_.ends_told(place.channel, true)) {
+                content_.ends_told(layout_, place.channel)) {
                 const auto end = curve::place(piece.anchor, walk_.rotation[range.first].anchor,
                                               layout_.step(range.first));
                 for (std::size_t c = 0; c < 3; ++c)
                     piece.rise[c] = end[c] - static_cast<float>(piece.v[c]);
             }
         }
-        if (piece.jumps) ++counters_.breaks;
-        const bool hidden =
-            (walk_.hidden >> place.channel & 1u) != 0 && piece.fresh && !piece.jumps;
-        if (!hidden) piece.begins = take_pending(place.channel, place.track);
-        return !hidden;
+        return (walk_.hidden >> place.channel & 1u) == 0 || !piece.fresh || piece.jumps;
     }
     /// Is the track's curve told for the first time?
     bool take_pending(std::size_t channel, std::size_t track) noexcept {

@@ -23,7 +23,7 @@ class PieceFollower {
             new_run(first);
         }
         bool any = false;
-        for (CurvePiece piece; decoder.next(piece); any = true) take(piece);
+        for (typename ADecoder::Piece piece; decoder.next(piece); any = true) take(piece);
         return any;
     }
 

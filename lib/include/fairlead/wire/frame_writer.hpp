@@ -17,7 +17,7 @@ template <std::size_t Axes, std::size_t Rotations, class Kinds>
 class FrameWriter {
   public:
     using Layout = Tracks<Axes, Rotations>;
-    using States = TrackStates<Axes, Rotations>;
+    using States = TrackStates<Axes, Rotations, Kinds>;
     using Coder = Content<code::RangeEncoder, Axes, Rotations, Kinds>;
 
     /// A run begins: its first frame follows this header.

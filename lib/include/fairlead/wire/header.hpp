@@ -34,9 +34,9 @@ enum class ChannelType : std::uint8_t { none = 0, vector = 1, orientation = 2 };
 /// One channel of a stream.
 struct ChannelShape {
     ChannelType type{ChannelType::none};
-    std::uint8_t kind{0};        // of its pieces: 1 C1 quadratic, 2 C1 quadratic with lines
-    std::uint8_t axes{0};        // 3 for an orientation
-    std::uint16_t tolerance{0};  // over the step, in 1/32768, rounded up
+    std::uint8_t kind{0};                       // of its pieces: curve/lengths.hpp
+    std::uint8_t axes{0};                       // 3 for an orientation
+    std::uint16_t tolerance{0};                 // over the step, in 1/32768, rounded up
     std::array<curve::Scale, axes_max> step{};  // of each axis; orientation: all three alike
     /// What absolute values are told against, in lattice steps; |o| <= origin_max. Of an
     /// orientation: its place on the grid, 4 n + index of the largest component, n, n.

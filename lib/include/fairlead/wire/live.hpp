@@ -21,14 +21,15 @@
 namespace fairlead::wire {
 
 /// Ticks from the start of a piece to t_ns.
-template <class Real>
-constexpr Real ticks_after_start(const CurvePiece& piece, const curve::Grid& grid,
+template <class Real, bool Cubics>
+constexpr Real ticks_after_start(const BasicCurvePiece<Cubics>& piece, const curve::Grid& grid,
                                  std::int64_t t_ns) noexcept {
     return static_cast<Real>(t_ns - grid.time_ns(piece.start)) / static_cast<Real>(grid.tick_ns());
 }
 
 /// The same of a piece on its grid (follow.hpp).
-constexpr bool holds_at(const CurvePiece& piece, const curve::Grid& grid,
+template <bool Cubics>
+constexpr bool holds_at(const BasicCurvePiece<Cubics>& piece, const curve::Grid& grid,
                         std::int64_t t_ns) noexcept {
     return holds_at(piece.begins, grid.time_ns(piece.start), grid.time_ns(piece.end), t_ns);
 }
@@ -38,11 +39,11 @@ template <class Real>
 struct AxisMotion {
     Real value{}, velocity{}, acceleration{};
 };
-template <class Real = float>
-AxisMotion<Real> axis_motion(const CurvePiece& piece, const curve::Grid& grid,
+template <class Real = float, bool Cubics>
+AxisMotion<Real> axis_motion(const BasicCurvePiece<Cubics>& piece, const curve::Grid& grid,
                              std::int64_t t_ns) noexcept {
     const Real u = ticks_after_start<Real>(piece, grid, t_ns);
-    const Real step = piece.scale.step<Real>();
+    const Real step = piece.scale.template step<Real>();
     const Real per_s = static_cast<Real>(1e9) / static_cast<Real>(grid.tick_ns());
     return {step * piece.steps_at(u), step * per_s * piece.rate_at(u),
             step * per_s * per_s * piece.bend_at(u)};
@@ -54,11 +55,11 @@ struct OrientationMotion {
     BasicQuat<Real> q_wb{};
     RotationMotion<Real> rates{};
 };
-template <class Real = float>
-OrientationMotion<Real> orientation_motion(const CurvePiece& piece, const curve::Grid& grid,
-                                           std::int64_t t_ns) noexcept {
+template <class Real = float, bool Cubics>
+OrientationMotion<Real> orientation_motion(const BasicCurvePiece<Cubics>& piece,
+                                           const curve::Grid& grid, std::int64_t t_ns) noexcept {
     const Real u = ticks_after_start<Real>(piece, grid, t_ns);
-    const Real step = piece.scale.step<Real>();
+    const Real step = piece.scale.template step<Real>();
     const Real per_s = static_cast<Real>(1e9) / static_cast<Real>(grid.tick_ns());
     std::array<BasicVec3<Real>, 3> theta;  // theta and its derivatives
     theta[0] = {step * piece.steps_at(u, 0), step * piece.steps_at(u, 1),
@@ -71,14 +72,14 @@ OrientationMotion<Real> orientation_motion(const CurvePiece& piece, const curve:
 }
 
 /// The newest pieces of one track.
-template <std::size_t Pieces>
+template <std::size_t Pieces, class Piece = CurvePiece>
 class LiveTrack {
   public:
     struct Held {
-        CurvePiece piece{};
+        Piece piece{};
         curve::Grid grid{};
     };
-    void take(const CurvePiece& piece, const curve::Grid& grid) noexcept {
+    void take(const Piece& piece, const curve::Grid& grid) noexcept {
         if (piece.start == piece.end && !piece.begins) return;  // tells only that a curve ended
         if (pieces_.full()) pieces_.pop();
         pieces_.push({piece, grid});
@@ -100,12 +101,14 @@ class LiveTrack {
     Ring<Held, Pieces> pieces_{};
 };
 
-/// Axes, Rotations: the most that the stream's channels may hold together, as of Decoder.
+/// Axes, Rotations, Kinds: the most that the stream's channels may hold together, as of Decoder.
 /// position() speaks of the first channel with three axes, orientation() of the first rotation.
-template <std::size_t Pieces = 32, std::size_t Axes = 3, std::size_t Rotations = 1>
+template <std::size_t Pieces = 32, std::size_t Axes = 3, std::size_t Rotations = 1,
+          class Kinds = KindSet<curve::Smooth>>
 class LiveDecoder {
   public:
-    using Stream = Decoder<Axes, Rotations>;
+    using Stream = Decoder<Axes, Rotations, Kinds>;
+    using Piece = typename Stream::Piece;
     struct Motion {
         Vec3 p_w_m{}, velocity_m_s{}, acceleration_m_s2{};
     };
@@ -151,13 +154,13 @@ class LiveDecoder {
     bool next_event(Event& event) noexcept { return decoder_.next_event(event); }
 
   private:
-    using Track = LiveTrack<Pieces>;
+    using Track = LiveTrack<Pieces, Piece>;
 
     bool drain() noexcept {
         const auto forget = [this](bool) noexcept {
             for (Track& track : tracks_) track.clear();
         };
-        const auto keep = [this](const CurvePiece& piece) noexcept {
+        const auto keep = [this](const Piece& piece) noexcept {
             tracks_[place(piece.channel, piece.axis)].take(piece, decoder_.grid());
         };
         return follow_(decoder_, forget, keep);

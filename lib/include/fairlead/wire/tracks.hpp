@@ -4,9 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "fairlead/code/model.hpp"
 #include "fairlead/code/range_coder.hpp"
+#include "fairlead/code/tables.hpp"
+#include "fairlead/curve/cubic_state.hpp"
 #include "fairlead/curve/rotation.hpp"
 #include "fairlead/curve/scale.hpp"
 #include "fairlead/wire/header.hpp"
@@ -74,6 +77,16 @@ struct Tracks {
     float step(std::size_t rotation) const noexcept {
         return turn[rotation].template step<float>();
     }
+    /// Are its pieces cubics? Known when compiled where only one kind exists.
+    template <class Kinds>
+    static constexpr bool cubic(const TrackRange& range) noexcept {
+        if constexpr (!Kinds::cubics || Axes == 0)
+            return false;
+        else if constexpr (!Kinds::quadratics)
+            return !turns(range);
+        else
+            return !turns(range) && range.kind == curve::Cubics::id;
+    }
     /// range.rotates, known when compiled where only one sort of tracks exists.
     static constexpr bool turns(const TrackRange& range) noexcept {
         return Rotations > 0 && (Axes == 0 || range.rotates);
@@ -107,16 +120,49 @@ struct Tracks {
     }
 };
 
+/// The kinds of pieces that a coder knows. What it does not know costs nothing.
+template <class... Kinds>
+struct KindSet {
+    static constexpr bool cubics = (Kinds::cubic || ...), quadratics = (!Kinds::cubic || ...);
+    static constexpr bool has(std::uint8_t id) noexcept { return ((Kinds::id == id) || ...); }
+
+    /// The tables of a kind of quadratics that has() knows.
+    template <std::size_t N>
+    static constexpr code::CostsView costs(std::uint8_t id) noexcept {
+        code::CostsView view{code::costs<typename FirstQuadratic<Kinds...>::Type, N>};
+        (choose<Kinds, N>(id, view), ...);
+        return view;
+    }
+
+  private:
+    template <class Kind, class... Others>
+    struct FirstQuadratic {
+        using Type = typename std::conditional_t<Kind::cubic, FirstQuadratic<Others...>,
+                                                 FirstQuadratic<Kind>>::Type;
+    };
+    template <class Kind>
+    struct FirstQuadratic<Kind> {
+        using Type = Kind;
+    };
+    template <class Kind, std::size_t N>
+    static constexpr void choose(std::uint8_t id, code::CostsView& view) noexcept {
+        if constexpr (!Kind::cubic)
+            if (Kind::id == id) view = code::CostsView{code::costs<Kind, N>};
+    }
+};
+
 /// Where the curves are: all that the next frame's content depends on.
-template <std::size_t Axes, std::size_t Rotations>
+template <std::size_t Axes, std::size_t Rotations, class Kinds>
 struct TrackStates {
-    std::array<curve::State<1>, Axes> axis{};
+    std::array<curve::State<1>, Kinds::quadratics ? Axes : 0> axis{};
+    std::array<curve::CubicState<1>, Kinds::cubics ? Axes : 0> cubic{};  // of an axis of cubics
     std::array<curve::RotationState, Rotations> rotation{};
     std::uint8_t live{0};    // a bit for each channel: its curve goes on
     std::uint8_t hidden{0};  // likewise: a reader joined, the slope at the curve's end is not known
 
     [[gnu::noinline]] TrackStates() noexcept {}  // one code for all that begin anew
 
+    /// Of a track of quadratics.
     curve::StateView track(const TrackRange& range, std::size_t track) noexcept {
         if constexpr (Rotations == 0)
             return axis[range.first + track].view();
