@@ -90,6 +90,7 @@ void print_channel(std::size_t number, const StoredChannel& channel) {
                 channel.rotates ? 3 : channel.tracks.size(),
                 !channel.rotates && channel.tracks.size() == 1 ? "is" : "es", channel.tolerance,
                 channel.rotates ? " rad" : "");
+    std::printf("; %s", channel.order == 4 ? "C2 cubics" : "C1 quadratics");
     if (channel.empty()) return void(std::printf("; no curve\n"));
     std::printf("\n%20s %zu curves, %zu pieces, %zu breaks, from %.3f s to %.3f s\n", "",
                 channel.curves(), channel.pieces(), channel.breaks(),

@@ -146,17 +146,24 @@ inline void add_search(CLI::App& command, ReplayOptions& options) {
     command
         .add_option(
             "--continuity", options.continuity,
-            "1: the velocity is continuous; 2: the acceleration too, with --objective knots "
-            "alone; 0: corners are allowed, and a smooth curve is one too")
+            "1: the velocity is continuous; 2: the acceleration of positions too, while "
+            "orientations stay at 1 (with --objective knots both have it); 0: corners are allowed, "
+            "and a smooth curve is one too")
         ->check(CLI::Range(0, 2));
 }
 
 /// What --objective and --continuity mean together.
 inline void check_search(const ReplayOptions& options) {
-    if (options.continuity == 2 && options.objective == Objective::bytes)
-        throw BadSpec(
-            "--continuity 2 needs --objective knots: curves of few bytes have a "
-            "continuous velocity, not a continuous acceleration");
+    if (options.continuity == 2 && options.objective == Objective::bytes) {
+        if (!options.position)
+            throw BadSpec(
+                "--continuity 2 with --objective bytes concerns positions: an orientation has a "
+                "continuous velocity; --objective knots gives it a continuous acceleration");
+        if (!(options.restart_s > 0))
+            throw BadSpec(
+                "--continuity 2 needs restarts: a frame of such a curve needs the one before it, "
+                "so --independent and --restart 0 are not for it");
+    }
     if (options.objective == Objective::knots && !(options.restart_s > 0))
         throw BadSpec("--independent and --restart 0 need --objective bytes");
 }

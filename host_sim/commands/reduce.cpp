@@ -29,10 +29,11 @@ void run(Options& options) {
     ReplayOptions& o = options.replay;
     o.position = options.channel != "orientation";
     o.orientation = options.channel != "position";
-    check_search(o);
     const Recording recording = options.input.read();
     const bool imu = !recording.samples.empty();
     if (imu && !o.orientation) throw BadSpec("an IMU gives orientations, no positions");
+    if (imu) o.position = false;
+    check_search(o);
     if ((o.position && !imu && !(o.tol_pos_m > 0)) || (o.orientation && !(o.tol_rot_rad > 0)))
         throw BadSpec("reduce needs --tol-pos for positions and --tol-rot for orientations");
     const Replay result = replay(recording, o);

@@ -12,6 +12,7 @@ void run(const Recording& recording, Replay& result) {
     result.raw.reserve(recording.size());
     result.input.reserve(recording.size());
     if (result.options.objective == Objective::knots) return earlier::run(recording, result);
+    if (result.options.continuity == 2) return run_cubics(recording, result);
     switch (result.options.beam) {
         case Beam::narrow: return run_beam<Beam::narrow>(recording, result);
         case Beam::wide: return run_beam<Beam::wide>(recording, result);

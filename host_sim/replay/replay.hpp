@@ -27,7 +27,7 @@ struct ReplayOptions {
     std::uint32_t delay_max{120};
     Objective objective{Objective::bytes};
     Beam beam{Beam::medium};  // width of the search
-    int continuity{1};        // at least; 2 with the knots objective alone
+    int continuity{1};        // at least; 2: of positions, and with the knots objective of both
     double restart_s{2};      // 0: every frame decodes alone
     std::uint16_t stream_id{0};
     bool position{true}, orientation{true};  // channels that are reduced

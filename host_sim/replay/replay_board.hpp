@@ -1,7 +1,8 @@
 #pragma once
 // The pipelines of the host: a board for each kind of record, choice of channels and width of the
 // search, in the memory for the longest delay. replay_narrow.cpp, replay_medium.cpp and
-// replay_wide.cpp compile one width each; the earlier search is a codec for the same pipeline.
+// replay_wide.cpp compile one width each, replay_cubic.cpp all widths for C2 cubics; the earlier
+// search is a codec for the same pipeline.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -18,10 +19,14 @@ extern template void run_beam<Beam::narrow>(const Recording&, Replay&);
 extern template void run_beam<Beam::medium>(const Recording&, Replay&);
 extern template void run_beam<Beam::wide>(const Recording&, Replay&);
 
-template <class In, class Channel, Beam width>
+/// The same with C2 cubics for positions.
+void run_cubics(const Recording& recording, Replay& result);
+
+template <class In, class Channel, Beam width, class Pieces = curve::Smooth>
 struct HostBoard {
     using Input = In;
     using Channels = Channel;
+    using Kind = Pieces;
     using Filter = TappedFilter;
     static constexpr std::size_t delay_records_max = delay_most;
     static constexpr Beam beam = width;
@@ -81,9 +86,9 @@ void note_counts(const Chain& chain, Replay& result) {
 // in float32 with time and validity: a pose as in a .trk, an IMU's sensors as in an .imu
 inline constexpr std::size_t pose_bytes = 36, sensor_bytes = 12, time_bytes = 8;
 
-template <class Channels, Beam beam, template <class> class Codec>
+template <class Channels, Beam beam, template <class> class Codec, class Pieces = curve::Smooth>
 void run_poses(const Recording& recording, Replay& result) {
-    using Chain = BasicPipeline<HostBoard<Pose, Channels, beam>, Codec>;
+    using Chain = BasicPipeline<HostBoard<Pose, Channels, beam, Pieces>, Codec>;
     const auto chain = make_chain<Chain>(host_params<Chain, Channels>(recording, result));
     result.bytes_per_record = pose_bytes;
     feed(

@@ -86,11 +86,14 @@ std::vector<Row> summary_rows(const Replay& replay) {
     whole("records in", grouped(replay.records_in) + text(" in %.1f s", replay.seconds));
     whole("faults", faults_text(replay));
     if (replay.attitude) add_attitude_rows(rows, *replay.attitude);
+    const bool c2 = o.continuity == 2 || o.objective == Objective::knots;
     whole("search", std::string{o.objective == Objective::knots ? "earlier search, few knots, "
                                                                 : "few bytes, "} +
                         to_string(o.beam) + text(", delay at most %u records", o.delay_max));
     if (!o.filter.empty())
         whole("filter", o.filter + text(", %zu records of latency", replay.filter_delay));
+    both("continuous", c2 ? "acceleration" : "velocity",
+         o.objective == Objective::knots ? "acceleration" : "velocity");
     rows.push_back(row(replay, "samples", [](const auto& c) { return grouped(c.samples); }));
     rows.push_back(
         row(replay, "control points", [](const auto& c) { return grouped(c.control_points); }));
@@ -132,7 +135,7 @@ std::vector<Row> summary_rows(const Replay& replay) {
 std::string summary_json(const Replay& replay) {
     const ReplayOptions& o = replay.options;
     const auto channel = [](const char* name, const char* error, double tolerance,
-                            const ChannelResult& c) {
+                            const ChannelResult& c, bool c2) {
         return text(", \"%s\": {\"control_points\": %zu, \"knots\": %zu, \"bytes\": %zu, ", name,
                     c.control_points, c.knots, c.bytes) +
                text("\"%s\": %.9g, \"max_delay_samples\": %u, \"mean_delay_samples\": %.9g, ",
@@ -140,22 +143,25 @@ std::string summary_json(const Replay& replay) {
                text(
                    "\"samples\": %zu, \"samples_outside\": %zu, \"pieces\": %zu, \"curves\": %zu, ",
                    c.samples, c.violations, c.pieces, c.curves) +
-               text("\"breaks\": %zu, \"error_over_tolerance\": %.9g}", c.breaks,
-                    c.max_error / tolerance);
+               text("\"breaks\": %zu, \"error_over_tolerance\": %.9g, \"kind\": \"%s\"}", c.breaks,
+                    c.max_error / tolerance, c2 ? "C2 cubic" : "C1 quadratic");
     };
     std::string json =
         text("{\"samples\": %zu, \"bytes\": %zu", replay.input.size(), replay.stream.size());
-    if (o.position) json += channel("position", "max_error_m", o.tol_pos_m, replay.position);
+    const bool knots = o.objective == Objective::knots;
+    if (o.position)
+        json += channel("position", "max_error_m", o.tol_pos_m, replay.position,
+                        knots || o.continuity == 2);
     if (o.orientation)
-        json += channel("orientation", "max_error_rad", o.tol_rot_rad, replay.orientation);
+        json += channel("orientation", "max_error_rad", o.tol_rot_rad, replay.orientation, knots);
     const EventResult& e = replay.events;
     if (e.offered > 0)
         json += text(", \"events\": {\"count\": %zu, \"refused\": %zu, \"bytes\": %zu}", e.offered,
                      e.refused, e.bytes);
-    json +=
-        text(", \"objective\": \"%s\", \"kind\": \"%s\", \"beam\": \"%s\", \"delay\": %u",
-             to_string(o.objective), o.objective == Objective::knots ? "C2 cubic" : "C1 quadratic",
-             to_string(o.beam), o.delay_max);
+    json += text(", \"objective\": \"%s\", \"kind\": \"%s\", \"beam\": \"%s\", \"delay\": %u",
+                 to_string(o.objective),
+                 knots || (o.continuity == 2 && o.position) ? "C2 cubic" : "C1 quadratic",
+                 to_string(o.beam), o.delay_max);
     json += text(", \"stream_id\": %u, \"restart_s\": %.9g, \"frames\": %zu, \"restarts\": %zu",
                  o.stream_id, o.restart_s, replay.frames, replay.restarts);
     json += text(", \"runs\": %zu, \"header_bytes\": %zu, \"bytes_per_s\": %.9g", replay.runs,

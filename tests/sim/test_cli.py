@@ -240,10 +240,29 @@ def test_the_width_of_the_search_and_its_objective(folder):
     for channel in ("position", "orientation"):
         assert knots[channel]["control_points"] < medium[channel]["control_points"]
     options = ("--tol-pos", "1e-3", "--tol-rot", "0.00436", "--out", folder / "s.flr")
-    expect(2, "reduce", trk, *options, "--continuity", 2, says="needs --objective knots")
+    expect(2, "reduce", trk, *options, "--continuity", 2, "--channel", "orientation", says="--objective knots")
+    expect(2, "reduce", trk, *options, "--continuity", 2, "--independent", says="needs restarts")
     expect(2, "reduce", trk, *options, "--objective", "knots", "--independent", says="--objective bytes")
     expect(2, "reduce", trk, *options, "--beam", "wide", "--slice", "small", says="--beam")
     expect(2, "reduce", trk, *options, "--delay", 15, says="16")
+
+
+def test_positions_with_a_continuous_acceleration(folder):
+    trk, stream, out = generated(folder), folder / "c2.flr", folder / "c2.csv"
+    options = ("--tol-pos", "1e-3", "--tol-rot", "0.00436", "--delay", 60, "--continuity", 2, "--out", stream)
+    for beam in ("narrow", "medium", "wide"):
+        told = json.loads(must("reduce", trk, *options, "--beam", beam, "--json"))
+        assert told["position"]["kind"] == "C2 cubic" and told["orientation"]["kind"] == "C1 quadratic"
+        for channel in ("position", "orientation"):
+            assert told[channel]["samples_outside"] == 0 and told[channel]["error_over_tolerance"] <= 1
+            assert told[channel]["max_delay_samples"] <= 60
+    table = must("reduce", trk, *options)
+    assert any(line.split() == ["continuous", "acceleration", "velocity"] for line in table.splitlines())
+    told = must("info", stream)
+    assert "C2 cubics" in told and "C1 quadratics" in told
+    must("decode", stream, "--at", trk, "--out", out)
+    rows = [line.split(",") for line in out.read_text().splitlines()[1:]]
+    assert len(rows) > 800 and sum(row[1] != "" for row in rows) > 700
 
 
 def test_a_stream_of_another_format_is_refused_by_its_version(folder):

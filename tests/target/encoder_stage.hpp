@@ -6,11 +6,12 @@
 
 namespace fairlead::target {
 
-template <class AChannels, std::size_t Delay, Beam Width>
+template <class AChannels, std::size_t Delay, Beam Width, class Pieces = curve::Smooth>
 struct EncoderStage {
     struct Board {
         using Input = Pose;
         using Channels = AChannels;
+        using Kind = Pieces;
         using Filter = NoFilter;
         static constexpr std::size_t delay_records_max = Delay;
         static constexpr Beam beam = Width;

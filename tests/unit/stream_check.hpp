@@ -17,8 +17,8 @@
 namespace fairlead::test {
 
 /// Error over tolerance of one sample of a channel, in double.
-template <std::size_t D, class Tolerance>
-double error_of(const std::array<float, D>& value, const std::vector<const wire::CurvePiece*>& at,
+template <std::size_t D, class Piece, class Tolerance>
+double error_of(const std::array<float, D>& value, const std::vector<const Piece*>& at,
                 const std::vector<double>& ticks, const Tolerance& tolerance) {
     double worst = 0;
     for (std::size_t a = 0; a < D; ++a) {
@@ -28,8 +28,8 @@ double error_of(const std::array<float, D>& value, const std::vector<const wire:
     }
     return worst;
 }
-template <class Tolerance>
-double error_of(const Quat& value, const std::vector<const wire::CurvePiece*>& at,
+template <class Piece, class Tolerance>
+double error_of(const Quat& value, const std::vector<const Piece*>& at,
                 const std::vector<double>& ticks, const Tolerance& tolerance) {
     const BasicQuat<double> q = normalised(BasicQuat<double>{value.w, value.x, value.y, value.z});
     return rotation_angle(normalised(wire::rotation_at(*at[0], ticks[0])), q) /
@@ -40,6 +40,7 @@ template <class Encoder, class Decoder>
 class StreamCheck {
   public:
     using Values = typename Encoder::Values;
+    using Piece = typename Decoder::Piece;
     static constexpr std::size_t channels = Encoder::channel_count;
 
     explicit StreamCheck(const typename Encoder::Params& params)
@@ -98,7 +99,7 @@ class StreamCheck {
         std::uint32_t run;
         std::int64_t start_ns, end_ns;
         double tick_ns;
-        wire::CurvePiece piece;
+        Piece piece;
     };
 
     typename Encoder::Params params_;
@@ -135,7 +136,7 @@ class StreamCheck {
         }
     }
     void drain() {
-        wire::CurvePiece p;
+        Piece p;
         const curve::Grid& grid = decoder.grid();
         while (decoder.next(p)) {
             ++pieces;
@@ -162,7 +163,7 @@ class StreamCheck {
         auto& tracks = told_[C];
         while (!queue.empty() && !tracks.empty()) {
             const Waiting& w = queue.front();
-            std::vector<const wire::CurvePiece*> at;
+            std::vector<const Piece*> at;
             std::vector<double> ticks;
             for (auto& list : tracks) {
                 while (!list.empty() &&

@@ -11,12 +11,17 @@
 //         static constexpr fairlead::Beam beam = fairlead::Beam::medium;
 //         static constexpr std::size_t events_max = 0;
 //     };
+//
+// A seventh may stand beside: `using Kind = fairlead::curve::Cubics;` gives positions and vectors a
+// continuous acceleration (docs/cubics.md). Without it, and of orientations always, the velocity is
+// continuous.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <type_traits>
 
 #include "fairlead/base/types.hpp"
+#include "fairlead/curve/lengths.hpp"
 #include "fairlead/sense/attitude_state.hpp"
 
 namespace fairlead {
@@ -127,6 +132,16 @@ inline constexpr bool has_events = false;
 template <class B>
 inline constexpr bool has_events<B, std::void_t<decltype(B::events_max)>> = true;
 
+/// The kind of pieces of the board's positions and vectors.
+template <class B, class = void>
+struct KindOf {
+    using Type = curve::Smooth;
+};
+template <class B>
+struct KindOf<B, std::void_t<typename B::Kind>> {
+    using Type = typename B::Kind;
+};
+
 template <class T, class = void>
 inline constexpr bool is_defined = false;
 template <class T>
@@ -184,6 +199,14 @@ constexpr bool check_board() noexcept {
                                   typename InputTraits<typename Board::Input>::Record>,
                           "Filter is no filter for the records of this Input");
     }
+    using Kind = typename KindOf<Board>::Type;
+    static_assert(std::is_same_v<Kind, curve::Smooth> || std::is_same_v<Kind, curve::Cubics>,
+                  "Kind must be curve::Smooth (the velocity is continuous) or curve::Cubics (the "
+                  "acceleration too)");
+    if constexpr (std::is_same_v<Kind, curve::Cubics> && has_channels<Board>)
+        static_assert(!std::is_same_v<typename Board::Channels, fairlead::Channels<Orientation>>,
+                      "Kind = curve::Cubics needs a channel Position or Vector<D>: orientations "
+                      "have a continuous velocity");
     if constexpr (has_delay<Board>) {
         static_assert(is_count<decltype(Board::delay_records_max)>,
                       "delay_records_max must be of type std::size_t");

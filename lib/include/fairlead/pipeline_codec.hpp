@@ -29,11 +29,11 @@ template <Beam beam>
 using BeamOf = typename BeamSizes<beam>::Type;
 
 /// A channel of a board as the wire has it: its tag, its value in a record, its bits there.
-template <class Channel, Beam beam>
+template <class Channel, Beam beam, class Kind>
 struct WireChannel;
-template <Beam beam>
-struct WireChannel<Position, beam> {
-    using Tag = wire::Vector<3, BeamOf<beam>>;
+template <Beam beam, class Kind>
+struct WireChannel<Position, beam, Kind> {
+    using Tag = wire::Vector<3, BeamOf<beam>, Kind>;
     static constexpr flag::Bits valid = flag::position_valid, gap = flag::position_gap;
     static std::array<float, 3> value(const Pose& pose) noexcept {
         return {pose.p_w_m.x, pose.p_w_m.y, pose.p_w_m.z};
@@ -43,8 +43,8 @@ struct WireChannel<Position, beam> {
         return t.position_m;
     }
 };
-template <Beam beam>
-struct WireChannel<Orientation, beam> {
+template <Beam beam, class Kind>
+struct WireChannel<Orientation, beam, Kind> {
     using Tag = wire::Orientation<BeamOf<beam>>;
     static constexpr flag::Bits valid = flag::orientation_valid, gap = flag::orientation_gap;
     static const Quat& value(const Pose& pose) noexcept { return pose.q_wb; }
@@ -53,9 +53,9 @@ struct WireChannel<Orientation, beam> {
         return t.orientation_rad;
     }
 };
-template <std::size_t D, Beam beam>
-struct WireChannel<Vector<D>, beam> {
-    using Tag = wire::Vector<D, BeamOf<beam>>;
+template <std::size_t D, Beam beam, class Kind>
+struct WireChannel<Vector<D>, beam, Kind> {
+    using Tag = wire::Vector<D, BeamOf<beam>, Kind>;
     static constexpr flag::Bits valid = flag::vector_valid, gap = flag::vector_gap;
     static const std::array<float, D>& value(const VectorSample<D>& sample) noexcept {
         return sample.value;
@@ -72,7 +72,7 @@ class StreamEncoderOf;
 template <class Board, class... Channel>
 class StreamEncoderOf<Board, Channels<Channel...>> {
     template <class C>
-    using Carried = WireChannel<C, Board::beam>;
+    using Carried = WireChannel<C, Board::beam, typename KindOf<Board>::Type>;
     using Inner = wire::Encoder<Board::delay_records_max - 1, Board::events_max,
                                 typename Carried<Channel>::Tag...>;
     static_assert(((approx::same(tolerance_min<Channel>, Carried<Channel>::Tag::tolerance_min) &&

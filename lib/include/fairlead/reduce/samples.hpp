@@ -17,6 +17,8 @@ constexpr std::size_t jump_parts(std::size_t n) noexcept { return 3 * (n + 2); }
 inline constexpr std::size_t jump_parts_max = jump_parts(between_max);
 /// Pushes in which a committed frame may be checked and coded.
 inline constexpr std::size_t drain_pushes = 8;
+/// So many samples are to be checked: all of them, and whatever must be done before.
+inline constexpr std::size_t check_all = std::size_t{1} << 12;
 
 template <class Value, std::size_t Window>
 class Samples {

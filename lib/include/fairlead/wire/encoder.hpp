@@ -20,6 +20,7 @@
 
 #include "fairlead/base/bytes.hpp"
 #include "fairlead/base/types.hpp"
+#include "fairlead/reduce/cubic_channel.hpp"
 #include "fairlead/reduce/reducer.hpp"
 #include "fairlead/reduce/rotation_channel.hpp"
 #include "fairlead/wire/encoder_params.hpp"
@@ -40,7 +41,7 @@ struct Vector {
     using Beam = BeamT;
     using Value = std::array<float, D>;
     template <std::size_t Window>
-    using Channel = reduce::VectorChannel<D, Kind, BeamT, Window>;
+    using Channel = typename reduce::VectorOf<D, Kind, BeamT, Window>::Type;
     static constexpr std::size_t axes = D, rotations = 0;
     static constexpr float tolerance_min = 1e-6f, tolerance_max = 1e6f;
 };
@@ -48,6 +49,7 @@ struct Vector {
 template <class BeamT = Medium, class KindT = curve::Smooth>
 struct Orientation {
     using Kind = KindT;
+    static_assert(!Kind::cubic, "orientations have quadratics");
     using Beam = BeamT;
     using Value = Quat;
     template <std::size_t Window>
@@ -69,10 +71,9 @@ class Encoder {
     static constexpr std::uint32_t records_max = Records;
     static constexpr std::size_t axes = (0 + ... + Channels::axes);
     static constexpr std::size_t rotations = (0 + ... + Channels::rotations);
-    using Kind = typename std::tuple_element_t<0, std::tuple<Channels...>>::Kind;
-    static_assert((std::is_same_v<Kind, typename Channels::Kind> && ...),
-                  "the channels of a stream have pieces of one kind");
-    using Kinds = KindSet<Kind>;
+    using FirstKind = typename std::tuple_element_t<0, std::tuple<Channels...>>::Kind;
+    using Kinds = std::conditional_t<(std::is_same_v<FirstKind, typename Channels::Kind> && ...),
+                                     KindSet<FirstKind>, KindSet<typename Channels::Kind...>>;
     static constexpr std::size_t axes_most = (std::max)({std::size_t{1}, Channels::axes...});
     using Params = EncoderParams<channel_count, axes_most>;
     using Values = std::tuple<typename Channels::Value...>;
@@ -84,6 +85,8 @@ class Encoder {
                                     : delay_records >= 48 ? 3
                                     : delay_records >= 24 ? 2
                                                           : 0;
+        // the search of cubics goes on behind a commit, and knows more then
+        if (Kinds::cubics) return delay_records >= 32 ? 6 : delay_records >= 16 ? 4 : 2;
         return (std::min)({usual, Channels::Beam::spare...});
     }
     /// Records of the reducer's window at a delay, and the most at any delay of the type.
@@ -107,6 +110,9 @@ class Encoder {
             for (const float tolerance : params.tolerance[i])
                 if (!(tolerance >= least[i] && tolerance <= most[i]))
                     return {Status::bad_argument, "tolerance"};
+        // a frame of cubics needs the state before it
+        if (Kinds::cubics && params.restart_interval_ns == every_frame_ns)
+            return {Status::bad_argument, "restart_interval_ns"};
         return {};
     }
     /// What an intake before this encoder may let through.
@@ -239,19 +245,19 @@ class Encoder {
     /// for each sample and one to the end, within the tick. A code stands where a part begins on a
     /// whole tick; behind the first it is that of a jump behind a jump.
     static constexpr std::size_t exact_bits(std::size_t components, std::size_t value_bits,
-                                            const std::uint8_t* jump_row) noexcept {
+                                            std::size_t jump_cost) noexcept {
         constexpr std::size_t most = 64 / curve::spacing_subs_min + 1;
         constexpr std::size_t long_parts = 250 / (curve::gap_ticks_max + 1) + 1;
         constexpr std::size_t duration = code::other_duration_cost / 16 + 1;
-        const std::size_t codes =
-            code::cost_max / 16 + (long_parts * jump_row[curve::code::jump] + 15) / 16;
+        const std::size_t codes = code::cost_max / 16 + (long_parts * jump_cost + 15) / 16;
         return (most + 1) * components * (5 + value_bits) + long_parts * components * 5 +
                (most + 1 + long_parts) * duration + codes;
     }
     // values differ by less than 2^26 steps, places in a chart by less than 2^17
     static constexpr std::size_t exact_stretch_bits =
-        axes * exact_bits(1, 26, code::costs<Kind, 1>.length[curve::code::jump]) +
-        rotations * exact_bits(3, 17, code::costs<Kind, 3>.length[curve::code::jump]);
+        (0 + ... +
+         (Channels::axes * exact_bits(1, 26, reduce::jump_cost<typename Channels::Kind, 1>) +
+          Channels::rotations * exact_bits(3, 17, reduce::jump_cost<typename Channels::Kind, 3>)));
     // such a frame tells no ends of vectors; where curves start, none tells its state before
     static constexpr std::size_t exact_overhead_bits =
         (std::max)(overhead_bits(true), 87 + 30 * channel_count + start_bits);
@@ -346,7 +352,7 @@ class Encoder {
             constexpr std::size_t i = decltype(index)::value;
             ChannelShape& c = shape.channel[i];
             c.type = turns ? ChannelType::orientation : ChannelType::vector;
-            c.kind = Kind::id;
+            c.kind = std::tuple_element_t<i, std::tuple<Channels...>>::Kind::id;
             c.axes = static_cast<std::uint8_t>(turns ? 3 : count);
             c.tolerance = 0;
             for (std::size_t a = 0; a < c.axes; ++a) {
@@ -412,14 +418,18 @@ class Encoder {
     }
 
     void open_frame() noexcept {
-        const reduce::Frame& frame = reducer_.frame();
         coding_ = true;
-        checked_ = exact_ = false;
+        checked_ = exact_ = coded_ = false;
         waited_ = 0;
         if (!begins_right(std::index_sequence_for<Channels...>{})) {
             ++strays_;
             return leave_as_steps();
         }
+        // the content of a frame of cubics is known when their search is done
+        if (!Kinds::cubics) open_whole();
+    }
+    void open_whole() noexcept {
+        const reduce::Frame& frame = reducer_.frame();
         coded_ = open_stretch({0, frame.ticks, true}, frame.seam != reduce::Seam::carry);
     }
     /// Opens a frame for a stretch of the committed one.
@@ -464,8 +474,13 @@ class Encoder {
                 ++rotation;
             } else {
                 for (std::size_t k = 0; k < Tag::axes; ++k, ++axis) {
-                    coder.told.value[axis] = s.end_v[k];
-                    if (frame.starts) writer_.states.axis[axis] = s.start[k];
+                    if constexpr (Tag::Kind::cubic) {
+                        coder.told.value[axis] = s.first[k];
+                        if (frame.starts) writer_.states.cubic[axis] = s.start[k];
+                    } else {
+                        coder.told.value[axis] = s.end_v[k];
+                        if (frame.starts) writer_.states.axis[axis] = s.start[k];
+                    }
                 }
             }
         };
@@ -521,8 +536,10 @@ class Encoder {
         checked_ = check_frame(samples, std::index_sequence_for<Channels...>{});
         if (check_failures() != before)
             give_up();
-        else if (checked_)
+        else if (checked_) {
             rewind(std::index_sequence_for<Channels...>{});
+            if (Kinds::cubics) open_whole();
+        }
     }
     template <std::size_t... Index>
     bool check_frame(std::size_t samples, std::index_sequence<Index...>) noexcept {
@@ -563,7 +580,7 @@ class Encoder {
     /// left.
     bool finish_frame() noexcept {
         if (!coding_) return true;
-        if (!exact_ && !checked_) check_frame(1u << 12);  // all of them
+        if (!exact_ && !checked_) check_frame(reduce::check_all);
         if (exact_) return let_out_stretch();
         code_pieces(SIZE_MAX);
         const std::size_t size = coded_ ? writer_.close() : 0;
@@ -624,6 +641,8 @@ class Encoder {
         const TrackRange& range = writer_.layout().channel[Index];
         if constexpr (rotates<Index>)
             return &writer_.states.rotation[range.first];
+        else if constexpr (std::tuple_element_t<Index, std::tuple<Channels...>>::Kind::cubic)
+            return &writer_.states.cubic[range.first];
         else
             return &writer_.states.axis[range.first];
     }
@@ -688,7 +707,7 @@ class Encoder {
         if (waits_) {
             go_on();
         } else if (coding_) {
-            if (checked_ && !exact_ && writer_.done())
+            if (checked_ && !exact_ && (writer_.done() || !coded_))
                 finish_frame();
             else
                 work_on_frame();
