@@ -45,7 +45,8 @@ struct WireChannel<Position, beam, Kind> {
 };
 template <Beam beam, class Kind>
 struct WireChannel<Orientation, beam, Kind> {
-    using Tag = wire::Orientation<BeamOf<beam>>;
+    using Tag = wire::Orientation<
+        std::conditional_t<beam == Beam::medium, wire::MediumTurning, BeamOf<beam>>>;
     static constexpr flag::Bits valid = flag::orientation_valid, gap = flag::orientation_gap;
     static const Quat& value(const Pose& pose) noexcept { return pose.q_wb; }
     template <class AnyTolerance>

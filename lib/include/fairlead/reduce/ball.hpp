@@ -1,10 +1,10 @@
 #pragma once
 // The search of rotations: samples are places in a chart, the tolerance is a ball.
 //
-// The running bounds hold for each component apart, so that they are necessary; before a vertex is
-// offered, the whole piece is compared with the samples in the ball of the tolerance. These
-// comparisons are the dear part: the cheapest candidates come first, and a budget a column bounds
-// them.
+// The running bounds hold for each component apart, so that they are necessary. A vertex must lie
+// in the ball of the tolerance about the sample at its column, and before it is offered, the whole
+// piece is compared with the other samples. These comparisons are the dear part: the cheapest
+// candidates come first, and a budget a column bounds them.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,20 +25,18 @@ class Ball {
     using Sample = Place;
     static constexpr int tries_max = 6;   // candidates of a hypothesis that are compared
     static constexpr int offers_max = 3;  // of these, how many it may offer
-    /// Comparisons with samples a column, for each child that it may have; and as many again for
-    /// the newest where none fits.
-    static constexpr int budget = 50;
 
   protected:
     using Open = Hypothesis<3>;
     static constexpr Cost step_cost_min = 2 * reduce::step_cost_min;
 
     void begin(std::int32_t) noexcept {}
-    void begin_column() noexcept { work_ = 0; }
-    /// A second budget, where the first is spent. width: children that a column may have.
-    bool renew(std::size_t width) noexcept {
-        const bool was_spent = spent(width);
-        if (was_spent) work_ = 0;
+    /// tests: comparisons with samples until the column's budget is spent.
+    void begin_column(int tests) noexcept { left_ = tests; }
+    /// As many again for the newest hypotheses, where the budget is spent and none fits.
+    bool renew(int tests) noexcept {
+        const bool was_spent = spent();
+        if (was_spent) left_ = tests;
         return was_spent;
     }
 
@@ -51,12 +49,13 @@ class Ball {
     template <class Search, class Source>
     void offer(Search& search, const Open& o, const Ending<3>& ending, const Column<3>& at,
                const Source& source) noexcept {
-        if (spent(Search::width)) return;
+        if (spent()) return;
         if (at.told != nullptr) {
             offer_told(search, o, ending, at, source);
             return;
         }
-        Triple first, last;
+        Box box;
+        Triple &first = box.first, &last = box.last;
         Candidate<3> middle{};
         for (std::size_t a = 0; a < 3; ++a) {
             Range range;
@@ -75,9 +74,14 @@ class Ball {
                 first[a] = middle.p[a] - 1;
                 last[a] = middle.p[a] + 1;
             }
+            float off = static_cast<float>(o.v[a] + first[a]) - at.middle[a];
+            for (float& off2 : box.off2[a]) {
+                off2 = at.known ? off * off : 0.0f;
+                off += 1.0f;
+            }
         }
         std::array<std::uint32_t, tries_max> keys;
-        const int n = cheapest(search, ending, first, last, keys);
+        const int n = cheapest(search, ending, box, keys);
         // none of them may fit: the middle of the bounds is likely to
         const int tries = n == tries_max ? n + 1 : n;
         int offered = 0;
@@ -88,12 +92,12 @@ class Ball {
                 unpack(c, keys[static_cast<std::size_t>(i)], first, ending);
             else
                 price(c, ending);
-            if (c.cost >= search.worst() || spent(Search::width)) break;
+            if (c.cost >= search.worst() || spent()) break;
             const Place p{static_cast<float>(c.p[0]), static_cast<float>(c.p[1]),
                           static_cast<float>(c.p[2])};
+            if (!fits(search, o, p, ending.h, at, source)) continue;
             const auto child = search.make(o, ending, c);
-            if (!leads_on(child, at, search.radius()) || !fits(search, o, p, ending.h, at, source))
-                continue;
+            if (!leads_on(child, at, search.radius())) continue;
             if (search.bounded(child)) search.place(child);
             ++offered;
         }
@@ -101,10 +105,18 @@ class Ball {
 
   private:
     using Triple = std::array<std::int32_t, 3>;
+    /// At most 3 x 3 x 3 rises.
+    struct Box {
+        Triple first, last;
+        /// (vertex - sample of the column)^2 of each component; 0 where there is no such sample.
+        std::array<std::array<float, 3>, 3> off2;
 
-    bool spent(std::size_t width) const noexcept {
-        return work_ > budget * static_cast<int>(width);
-    }
+        float off(std::size_t a, std::int32_t p) const noexcept {
+            return off2[a][static_cast<std::size_t>(p - first[a])];
+        }
+    };
+
+    bool spent() const noexcept { return left_ < 0; }
 
     /// The frame tells where it ends: the piece leads there.
     template <class Search, class Source>
@@ -130,13 +142,15 @@ class Ball {
                                                                 ending.h, a, before)];
     }
 
-    /// The cheapest rises of the box, in order of cost, as keys: the cost, and in the lowest byte
-    /// the place in a box of at most 3 x 3 x 3. @return their number.
+    /// The cheapest rises of the box that end in the ball about the column's sample, in order of
+    /// cost, as keys: the cost, and in the lowest byte the place in the box. @return their number.
     template <class Search>
-    static int cheapest(const Search& search, const Ending<3>& ending, const Triple& first,
-                        const Triple& last, std::array<std::uint32_t, tries_max>& keys) noexcept {
+    static int cheapest(const Search& search, const Ending<3>& ending, const Box& box,
+                        std::array<std::uint32_t, tries_max>& keys) noexcept {
         const Cost most = search.worst();
+        const float limit = search.radius() * search.radius();
         const auto& sign = ending.before.sign;
+        const Triple &first = box.first, &last = box.last;
         const std::array<const std::uint8_t(*)[code::value_symbols], 5> rows{
             &row(ending, 0, false), &row(ending, 1, false), &row(ending, 1, true),
             &row(ending, 2, false), &row(ending, 2, true)};
@@ -148,12 +162,15 @@ class Ball {
             if (one >= most) continue;
             const bool some = k[0] != 0;
             for (std::int32_t y = first[1]; y <= last[1]; ++y) {
+                const float off = box.off(0, x) + box.off(1, y);
+                if (off > limit) continue;
                 k[1] = y - ending.predicted[1];
                 const Cost two = one + code::value_cost(some ? *rows[2] : *rows[1], k[1], sign[1]);
                 if (two >= most) continue;
                 const bool any = some || k[1] != 0;
-                const std::int32_t place = 9 * (x - first[0]) + 3 * (y - first[1]);
+                const std::int32_t place = 16 * (x - first[0]) + 4 * (y - first[1]);
                 for (std::int32_t z = first[2]; z <= last[2]; ++z) {
+                    if (off + box.off(2, z) > limit) continue;
                     k[2] = z - ending.predicted[2];
                     const Cost all =
                         two + code::value_cost(any ? *rows[4] : *rows[3], k[2], sign[2]);
@@ -182,7 +199,7 @@ class Ball {
                        const Ending<3>& ending) noexcept {
         const auto place = static_cast<std::int32_t>(key & 0xffu);
         c.cost = key >> 8;
-        c.p = {first[0] + place / 9, first[1] + place / 3 % 3, first[2] + place % 3};
+        c.p = {first[0] + place / 16, first[1] + place / 4 % 4, first[2] + place % 4};
         for (std::size_t a = 0; a < 3; ++a) c.k[a] = c.p[a] - ending.predicted[a];
     }
     static void price(Candidate<3>& c, const Ending<3>& ending) noexcept {
@@ -199,16 +216,20 @@ class Ball {
     template <class Search, class Source>
     bool fits(const Search& search, const Open& o, const Place& p, std::int32_t h,
               const Column<3>& at, const Source& source) noexcept {
-        std::array<curve::Polynomial<float>, 3> c;
+        // x = c0 + t (c1 + t (c2 + t c3)), t from the start of the piece
+        Place c0, c1, c2;
+        Place c3{};
         const auto hf = static_cast<float>(h);
+        const float i1 = 1.0f / hf, i2 = i1 * i1;
         for (std::size_t a = 0; a < 3; ++a) {
-            const float s = o.slope(a), ahead = s * hf, i2 = 1.0f / (hf * hf);
-            if (o.shape == Shape::line)
-                c[a] = {p[a] / hf, 0.0f, 0.0f};
-            else if (o.shape == Shape::fresh)
-                c[a] = {s, 2.0f * (p[a] - ahead) * i2, (ahead - p[a]) * i2 / hf};
-            else
-                c[a] = {s, (p[a] - ahead) * i2, 0.0f};
+            const float s = o.slope(a), rest = p[a] - s * hf;
+            c0[a] = static_cast<float>(o.v[a]);
+            c1[a] = o.shape == Shape::line ? p[a] * i1 : s;
+            c2[a] = o.shape == Shape::line ? 0.0f : rest * i2;
+            if (o.shape == Shape::fresh) {
+                c3[a] = -c2[a] * i1;
+                c2[a] *= 2.0f;
+            }
         }
         const float limit = search.radius() * search.radius();
         // begins with the sample that refuted the piece before: it is likely to refute this one too
@@ -221,12 +242,11 @@ class Ball {
             const curve::Moment m = source.when(i);
             const float t = static_cast<float>(m.tick - source.start_tick() - o.tick) + m.part;
             if (!(t > 0.0f)) continue;  // before the window
-            ++work_;
+            --left_;
             const Place& y = source.place(i);
             float n = 0;
             for (std::size_t a = 0; a < 3; ++a) {
-                const float bend = o.shape == Shape::fresh ? c[a].c2 + t * c[a].c3 : c[a].c2;
-                const float e = (y[a] - static_cast<float>(o.v[a])) - t * (c[a].c1 + t * bend);
+                const float e = (y[a] - c0[a]) - t * (c1[a] + t * (c2[a] + t * c3[a]));
                 n += e * e;
             }
             if (n <= limit) continue;
@@ -250,7 +270,7 @@ class Ball {
         return sum <= most * most;
     }
 
-    int work_{0};
+    int left_{0};                // comparisons, of the budget of the column
     std::size_t refuted_by_{0};  // the sample that did not hold last
 };
 

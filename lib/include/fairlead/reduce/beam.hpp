@@ -19,23 +19,27 @@ namespace fairlead::reduce {
 using code::Cost;
 
 /// Sizes of a search. Width: children a column; Open: open hypotheses; Spare: pushes over which a
-/// frame is checked and coded, at most; they are lost to its window. Small: 2, 24, 6; medium: 3,
-/// 24, 6; large: 8, 64, 2. Wider costs work and memory and saves bytes, and so does less spare:
-/// docs/choosing.md.
-template <std::size_t WidthN, std::size_t OpenN, std::uint32_t SpareN = 6>
+/// frame is checked and coded, at most; they are lost to its window. Tests: comparisons of
+/// rotations with samples a column, about. wire/encoder.hpp has the sizes of the boards' beams.
+/// Wider costs work and memory and saves bytes, and so does less spare: docs/choosing.md.
+template <std::size_t WidthN, std::size_t OpenN, std::uint32_t SpareN = 6, int TestsN = 120>
 struct Beam {
     static constexpr std::size_t width = WidthN;
     static constexpr std::size_t open = OpenN;
     static constexpr std::uint32_t spare = SpareN;
+    static constexpr int tests = TestsN;
     /// Part of the tolerance that the search uses, less its margin. Tests plant faults with more
     /// than 1, and show that no frame with a fault leaves.
     static constexpr float trust = 1.0f;
     static_assert(width >= 1 && width <= 8, "a beam keeps 1 to 8 children a column");
+    static_assert(tests >= 1 && tests <= 1000, "a beam tests 1 to 1000 samples a column");
     static_assert(open >= 2 * width && open <= 200, "a beam needs room for two columns at least");
 };
 
 /// Hypotheses dearer than the cheapest by more than this are dropped (1/16 bit).
 inline constexpr Cost margin_cost = 160;
+/// At the end of a frame one child goes on, so that few need to be kept.
+inline constexpr std::size_t end_width = 2;
 /// The least that a hypothesis still pays at a column; part of the same rule.
 inline constexpr Cost step_cost_min = 24;
 /// A jump is considered only where it saves at least this over its value: its code's cost, about.

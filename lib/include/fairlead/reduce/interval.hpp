@@ -31,8 +31,8 @@ class Interval {
         low_.fill(-far_away);
         high_.fill(far_away);
     }
-    void begin_column() noexcept {}
-    static constexpr bool renew(std::size_t) noexcept { return false; }
+    void begin_column(int) noexcept {}
+    static constexpr bool renew(int) noexcept { return false; }
 
     /// x - v in steps, rounded once.
     static float from(std::int32_t x, std::int32_t v) noexcept {

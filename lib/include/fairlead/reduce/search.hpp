@@ -78,7 +78,8 @@ class Search : private Geometry {
         }
         last_ = static_cast<std::uint8_t>(at.last);
         column_count_ = 0;
-        Geometry::begin_column();
+        most_ = at.end && end_width < width ? end_width : width;
+        Geometry::begin_column(BeamT::tests);
         const Cost bound = best_ + margin_cost;
         const bool many = open_count_ > 1;
         std::size_t kept = 0;
@@ -94,7 +95,7 @@ class Search : private Geometry {
             ++kept;
         }
         open_count_ = kept;
-        if (column_count_ == 0 && Geometry::renew(width)) close_newest(at, source);
+        if (column_count_ == 0 && Geometry::renew(BeamT::tests)) close_newest(at, source);
         make_room();
     }
 
@@ -290,27 +291,33 @@ class Search : private Geometry {
     /// What costs as much finds no place in the column.
     Cost worst() const noexcept {
         Cost most = cost_limit;
-        if (column_count_ == width && column_[width - 1].cost < most)
-            most = column_[width - 1].cost;
+        if (column_count_ == most_ && column_[most_ - 1].cost < most)
+            most = column_[most_ - 1].cost;
         if (column_count_ > 0 && column_[0].cost + margin_cost < most)
             most = column_[0].cost + margin_cost;
         return most;
     }
 
+    static bool same(const Child& a, const Child& b) noexcept {
+        if (a.last_code != b.last_code) return false;
+        for (std::size_t i = 0; i < n; ++i)
+            if (a.v[i] != b.v[i] || a.s[i] != b.s[i]) return false;
+        return true;
+    }
     /// Puts a child into the column, sorted by cost; the same state stands there once.
     void place(const Child& c) noexcept {
         std::size_t at = column_count_;
         for (std::size_t i = 0; i < column_count_; ++i) {
             const Child& other = column_[i];
-            if (other.v != c.v || other.s != c.s || other.last_code != c.last_code) continue;
+            if (!same(other, c)) continue;
             if (other.cost <= c.cost) return;
             at = i;
             break;
         }
         if (at == column_count_) {
-            if (column_count_ < width)
+            if (column_count_ < most_)
                 ++column_count_;
-            else if (column_[width - 1].cost <= c.cost)
+            else if (column_[most_ - 1].cost <= c.cost)
                 return;
             at = column_count_ - 1;
         }
@@ -378,6 +385,7 @@ class Search : private Geometry {
     Cost best_{0};
     float radius_{};
     std::size_t open_count_{0}, column_count_{0};
+    std::size_t most_{width};  // children that the column keeps
     std::uint8_t tick_{0}, before_tick_{0}, before_vertex_{0};
     std::uint8_t last_{0};  // one behind the last sample of the column
     bool fresh_{true};

@@ -32,7 +32,9 @@ namespace fairlead::wire {
 /// Sizes of a search (reduce/beam.hpp): wider costs work and memory, and saves bytes.
 using Small = reduce::Beam<2, 24>;
 using Medium = reduce::Beam<3, 24>;
-using Large = reduce::Beam<8, 64, 2>;
+using Large = reduce::Beam<8, 64, 2, 200>;
+/// Of rotations, whose vertices have three components: more of them are about as cheap.
+using MediumTurning = reduce::Beam<6, 32>;
 
 /// A channel of D numbers, each within its tolerance by itself.
 template <std::size_t D, class BeamT = Medium, class KindT = curve::Smooth>
@@ -46,7 +48,7 @@ struct Vector {
     static constexpr float tolerance_min = 1e-6f, tolerance_max = 1e6f;
 };
 /// A channel of orientations, within its tolerance as a rotation angle.
-template <class BeamT = Medium, class KindT = curve::Smooth>
+template <class BeamT = MediumTurning, class KindT = curve::Smooth>
 struct Orientation {
     using Kind = KindT;
     static_assert(!Kind::cubic, "orientations have quadratics");
