@@ -122,6 +122,30 @@ TEST(ExactFrames, AFrameThatDoesNotFitLeavesInStretches) {
     }
 }
 
+TEST(ExactFrames, AFrameThatDoesNotFitLeavesInStretchesAtTheEndToo) {
+    std::uint32_t overflows = 0;
+    for (int more = 0; more < 12; ++more) {
+        Sound::Params params;
+        params.tolerance = {0.001f, 0.0044f};
+        params.delay_records = 120;
+        auto check = std::make_unique<SoundCheck>(params);
+        int left = -1;
+        for (int i = 0; left != 0; ++i) {
+            check->push(i * params.sample_period_ns, {{1, 2, 3}, std::get<1>(quick(i))}, 3);
+            if (left > 0) --left;
+            auto& reducer = reducer_of(*check);
+            if (left >= 0 || i < 200 || reducer.waiting() != 90) continue;
+            const curve::RotationState end = reducer.channel<1>().segment().end;
+            reducer.resume<1>(&end);
+            left = more;
+        }
+        check->finish();
+        EXPECT_TRUE(kept(*check)) << more << ": " << what_of(*check);
+        overflows += check->encoder.overflows();
+    }
+    EXPECT_GT(overflows, 3u);
+}
+
 TEST(ExactFrames, AFrameThatBeginsWhereTheDecoderIsNotIsGivenUp) {
     std::uint32_t strays = 0;
     for (const std::int64_t restart : {wire::every_frame_ns, wire::never_ns}) {
