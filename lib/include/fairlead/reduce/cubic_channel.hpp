@@ -45,8 +45,8 @@ class CubicChannel {
     static constexpr std::size_t window = Window;
     /// Ticks that a column's search knows ahead; columns searched at a push, at most, while a
     /// window is open and behind a commit.
-    static constexpr std::int32_t lag = 16;
-    static constexpr std::size_t columns_a_push = 2, columns_behind = 4;
+    static constexpr std::int32_t lag = 12;
+    static constexpr std::size_t columns_a_push = 2, columns_behind = 3;
     static constexpr Cost column_bits_max = D * jump_bits_max(1);
     static constexpr Cost start_bits_max = 5 + 27 * D + 77;
     /// About what the next column may add.
@@ -106,7 +106,7 @@ class CubicChannel {
         keep(at, value);
         if (finishing_ || stalled_) return;
         for (std::size_t i = 0; i < columns_a_push; ++i)
-            if (!advance(at.tick - lag, -1)) return;
+            if (!advance(at.tick - lag, -1, false)) return;
     }
 
     /// About what the window costs where it ends now, in 1/16 bit. Of the ticks that are not
@@ -193,14 +193,14 @@ class CubicChannel {
     }
 
     /// Searches what is left of the committed frame, then compares its samples with its curve as a
-    /// decoder draws it, each in portions. @return true: all are done; failures() counts samples
-    /// outside the tolerance.
+    /// decoder draws it, each in portions. Where all must be done at once, because the next frame
+    /// ends already, few columns are searched and then the last. @return true: all are done;
+    /// failures() counts samples outside the tolerance.
     bool check(std::size_t samples) noexcept {
         const bool all = samples >= check_all;
-        const std::size_t most = all ? 2 * Window : columns_behind;
         for (std::size_t i = 0; finishing_; ++i) {
-            if (i == most) return false;
-            if (!advance(segment_.end_tick, segment_.end_tick)) finish();
+            if (i == columns_behind && !all) return false;
+            if (!advance(segment_.end_tick, segment_.end_tick, i >= columns_behind)) finish();
             if (!finishing_ && !all) return false;
         }
         Check& k = check_;
@@ -473,12 +473,13 @@ class CubicChannel {
     }
 
     /// Searches the next column that is not behind `most`. end: the tick where the frame ends, of a
-    /// committed one; else -1. @return false: there is none, or it was the last.
-    bool advance(std::int32_t most, std::int32_t end) noexcept {
+    /// committed one; else -1. hurry: the end itself is the next column. @return false: there is
+    /// none, or it was the last.
+    bool advance(std::int32_t most, std::int32_t end, bool hurry) noexcept {
         const bool old = end >= 0;
         if (old && tick_ >= end) return false;
         std::int32_t tick = done_ < count(old) ? ceiling(when(done_, old)) : end;
-        if (old && (columns_ >= Window || tick > end)) tick = end;
+        if (old && (hurry || columns_ >= Window || tick > end)) tick = end;
         if (tick > most || tick <= tick_ || (!old && columns_ >= Window)) return false;
         const std::size_t first = done_;
         while (done_ < count(old) && ceiling(when(done_, old)) <= tick) ++done_;

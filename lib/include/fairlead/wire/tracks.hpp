@@ -151,11 +151,19 @@ struct KindSet {
     }
 };
 
+namespace detail {
+template <std::size_t Axes>
+struct CubicAxes {
+    std::array<curve::CubicState<1>, Axes> cubic{};  // of an axis of cubics
+};
+template <>
+struct CubicAxes<0> {};
+}  // namespace detail
+
 /// Where the curves are: all that the next frame's content depends on.
 template <std::size_t Axes, std::size_t Rotations, class Kinds>
-struct TrackStates {
+struct TrackStates : detail::CubicAxes<Kinds::cubics ? Axes : 0> {
     std::array<curve::State<1>, Kinds::quadratics ? Axes : 0> axis{};
-    std::array<curve::CubicState<1>, Kinds::cubics ? Axes : 0> cubic{};  // of an axis of cubics
     std::array<curve::RotationState, Rotations> rotation{};
     std::uint8_t live{0};    // a bit for each channel: its curve goes on
     std::uint8_t hidden{0};  // likewise: a reader joined, the slope at the curve's end is not known
