@@ -476,13 +476,11 @@ class Encoder {
                 ++rotation;
             } else {
                 for (std::size_t k = 0; k < Tag::axes; ++k, ++axis) {
-                    if constexpr (Tag::Kind::cubic) {
+                    if constexpr (Tag::Kind::cubic)
                         coder.told.value[axis] = s.first[k];
-                        if (frame.starts) writer_.states.cubic[axis] = s.start[k];
-                    } else {
+                    else
                         coder.told.value[axis] = s.end_v[k];
-                        if (frame.starts) writer_.states.axis[axis] = s.start[k];
-                    }
+                    if (frame.starts) states_of<i>()[k] = s.start[k];
                 }
             }
         };
