@@ -85,7 +85,7 @@ $(eval $(call archive,gateway,$(GATEWAY_SOURCES)))
 # ---- programs:      name, sources, archives, libraries
 RECORD       := examples/record/record.cpp examples/record/writer.cpp
 PEERS_TESTED := $(addprefix $(STUDY)/bench_peers/,cache.cpp ours.cpp report.cpp subjects.cpp) \
-                $(addprefix $(STUDY)/bench_cubics/,search.cpp stream.cpp tables.cpp)
+                $(addprefix $(STUDY)/bench_cubics/,motion.cpp samples.cpp search.cpp stream.cpp tables.cpp)
 GOOGLE_TEST  := -lgtest -lgtest_main
 $(eval $(call program,fairlead-sim,host_sim/sim.cpp $(call sources,host_sim/commands/*.cpp),$(SIM) peers,-lz))
 $(eval $(call program,fairlead-record,$(RECORD),port recording,-lgpiod))
@@ -96,7 +96,7 @@ $(eval $(call program,fairlead-gateway-measure,$(call sources,tests/gateway/meas
 $(foreach e,attitude filter reduce decode,$(eval $(call program,examples/$(e),examples/$(e).cpp)))
 $(eval $(call program,firmware-motion,tests/gateway/firmware/motion.cpp,recording))
 $(eval $(call program,bench-peers,$(call sources,$(STUDY)/bench_peers/*.cpp) $(SISL),peers $(SIM),-lsisl -lz))
-$(eval $(call program,bench-cubics,$(call sources,$(STUDY)/bench_cubics/*.cpp) $(addprefix $(STUDY)/bench_peers/,byte_rivals.cpp cache.cpp subjects.cpp),peers $(SIM),-lz))
+$(eval $(call program,bench-cubics,$(call sources,$(STUDY)/bench_cubics/*.cpp) $(addprefix $(STUDY)/bench_peers/,byte_rivals.cpp cache.cpp ours.cpp subjects.cpp),peers $(SIM),-lz))
 $(eval $(call program,bench-smooth,$(STUDY)/bench_smooth/smooth.cpp $(call sources,$(STUDY)/baselines/filters/*.cpp),,-lbenchmark))
 $(eval $(call program,bench-attitude,$(call sources,$(STUDY)/bench_attitude/*.cpp $(STUDY)/baselines/ahrs/*.cpp),$(SIM)))
 $(eval $(call program,pipeline-search,tests/pipeline/search.cpp))
@@ -270,8 +270,10 @@ bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing bes
 	$<
 bench-peers: $(BUILD)/bench-peers sim ## [peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
 	$< --page docs/peers.md --control-points $(STUDY)/bench_peers/control_points.csv --sweep $(STUDY)/bench_peers/sweep.csv
-bench-cubics: $(BUILD)/bench-cubics ## [build] C2 cubics beside the best rival, from their bytes: the table of docs/cubics.md (minutes)
-	@$< --recordings $(RECORDINGS)/tracker120 --folder $(BUILD)/peers
+CUBICS_TABLES ?= bytes motion  # and knots
+bench-cubics: $(BUILD)/bench-cubics sim ## [build] C2 cubics beside their rivals, from their bytes: rewrites the tables of docs/cubics.md (minutes)
+	$< $(CUBICS_TABLES) --recordings $(RECORDINGS)/tracker120 --folder $(BUILD)/peers --program $(BUILD)/fairlead-sim \
+	  --page docs/cubics.md --plot docs/img/cubics.svg
 choosing: sim ## [script demo] what each choice costs: rewrites the tables and plots of docs/choosing.md (a minute)
 	@$(STUDY)/bench_peers/choosing.py $(BUILD)/fairlead-sim docs/choosing.md docs/img/choosing.svg BOUNDS.md
 compare: sim ## [demo] our causal filters beside their rivals, on all recordings: the tables and plot of docs/choose.md (minutes)

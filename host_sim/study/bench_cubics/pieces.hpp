@@ -7,8 +7,8 @@ namespace fairlead::sim::cubics {
 
 namespace detail {
 
-template <class Io>
-bool length(Io& io, const Costs& costs, const State& s, std::int32_t left, Piece& p) {
+template <class Io, std::size_t N>
+bool length(Io& io, const Costs& costs, const State<N>& s, std::int32_t left, Piece<N>& p) {
     if (s.run == 1 || s.run == 2) {
         bool jumps = p.code == curve::code::jump;
         io.flag(jumps, 1, 6);
@@ -44,8 +44,9 @@ bool length(Io& io, const Costs& costs, const State& s, std::int32_t left, Piece
 
 /// Codes one piece and steps the state; left: ticks to the end of the frame. c1 of a run is told
 /// elsewhere: it is in p.k already. Jumps last a tick. @return false: nonsense.
-template <class Io>
-bool code_piece(Io& io, const Costs& costs, State& s, std::int32_t left, Piece& p, Span& span) {
+template <class Io, std::size_t N>
+bool code_piece(Io& io, const Costs& costs, State<N>& s, std::int32_t left, Piece<N>& p,
+                Span<N>& span) {
     if (left <= 0 || !detail::length(io, costs, s, left, p)) return false;
     const bool line = curve::is_line(p.code), jump = p.code == curve::code::jump;
     const std::int32_t h = jump ? 1
@@ -54,12 +55,15 @@ bool code_piece(Io& io, const Costs& costs, State& s, std::int32_t left, Piece& 
                                : curve::lengths[line ? p.code - curve::code::line : p.code];
     if (h > left) return false;
     p.subs = static_cast<std::uint16_t>(h * curve::subs_per_tick);
-    if (jump) {
-        if (!code::detail::plain(io, p.k[0])) return false;
-    } else if (s.run != 3) {
-        const std::int8_t sign = s.run > 0 || line ? std::int8_t{0} : s.sign[0];
-        if (!code::detail::value(io, costs.value[value_row(s, h, line)].data(), sign, p.k[0]))
-            return false;
+    bool moved = false;
+    for (std::size_t c = 0; c < N && (jump || s.run != 3); ++c) {
+        if (jump) {
+            if (!code::detail::plain(io, p.k[c])) return false;
+            continue;
+        }
+        const std::uint8_t* row = costs.value[value_row(s, c, h, line, moved)].data();
+        if (!code::detail::value(io, row, told_sign(s, c, line), p.k[c])) return false;
+        moved = moved || p.k[c] != 0;
     }
     return curve::step(s, p, span);
 }

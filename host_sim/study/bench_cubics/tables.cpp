@@ -83,7 +83,8 @@ void train_ways(const Counts& counts, Costs& costs) {
 
 }  // namespace
 
-std::size_t way_row(const State& state, std::int32_t left) {
+template <std::size_t N>
+std::size_t way_row(const State<N>& state, std::int32_t left) {
     const double x = static_cast<double>(left) / state.last_ticks;
     const std::size_t bucket = x < .4    ? 0
                                : x < .7  ? 1
@@ -96,22 +97,55 @@ std::size_t way_row(const State& state, std::int32_t left) {
     return std::min<std::size_t>(state.last_code, 16) * 8 + bucket;
 }
 
-std::size_t length_row(const State& state) {
+template <std::size_t N>
+std::size_t length_row(const State<N>& state) {
     return state.run > 0 ? 17 : std::min<std::size_t>(state.last_code, 16);
 }
 
-std::size_t value_row(const State& state, std::int32_t h, bool line) {
+template <std::size_t N>
+std::size_t value_row(const State<N>& state, std::size_t c, std::int32_t h, bool line, bool moved) {
     if (line) return lines + length_class(h);
     if (state.run > 0) return runs + (state.run == 2 ? 0 : 3) + length_class(h);
     // the size of the last residuals, and of the bend, in 1/1024 steps
-    const std::int64_t bend = curve::ahead(state.at[0], h).bend;
-    const std::int64_t size = 512 * std::abs(state.last_k[0]) + 256 * std::abs(state.before_k[0]) +
+    const std::int64_t bend = curve::ahead(state.at[c], h).bend;
+    const std::int64_t size = 512 * std::abs(state.last_k[c]) + 256 * std::abs(state.before_k[c]) +
                               std::abs(bend) / 4 + 12;
     constexpr std::int64_t limit[] = {358, 819, 1536, 2662, 4301, 7168, 12288};
     std::size_t of = 0;
     while (of < 7 && size > limit[of]) ++of;
-    return classes + (of * 3 + curve::length_ratio(h, state.last_ticks)) * 3 + length_class(h);
+    const std::size_t third = N == 1 ? length_class(h) : c == 0 ? 0u : moved ? 2u : 1u;
+    return classes + (of * 3 + curve::length_ratio(h, state.last_ticks)) * 3 + third;
 }
+
+template <std::size_t N>
+void count(Counts& counts, const State<N>& s, std::int32_t left, const Piece<N>& p) {
+    const bool line = curve::is_line(p.code);
+    if (p.code == curve::code::jump) return;
+    const std::int32_t h = p.subs / curve::subs_per_tick;
+    const bool ends = p.code == curve::code::to_end;
+    if (s.run == 0 && !s.loose())
+        ++counts.way[way_row(s, left)][static_cast<std::size_t>(line   ? Way::breaks
+                                                                : ends ? Way::to_end
+                                                                       : Way::listed)];
+    if (line) ++counts.line[p.code - curve::code::line];
+    if (!line && !ends && (s.run == 0 || s.run == 3)) ++counts.length[length_row(s)][p.code];
+    if (s.run == 3) return;
+    bool moved = false;
+    for (std::size_t c = 0; c < N; ++c) {
+        const std::size_t row = value_row(s, c, h, line, moved);
+        ++counts.value[row][code::value_symbol(p.k[c], told_sign(s, c, line))];
+        moved = moved || p.k[c] != 0;
+    }
+}
+
+template std::size_t way_row(const State<1>&, std::int32_t);
+template std::size_t way_row(const State<3>&, std::int32_t);
+template std::size_t length_row(const State<1>&);
+template std::size_t length_row(const State<3>&);
+template std::size_t value_row(const State<1>&, std::size_t, std::int32_t, bool, bool);
+template std::size_t value_row(const State<3>&, std::size_t, std::int32_t, bool, bool);
+template void count(Counts&, const State<1>&, std::int32_t, const Piece<1>&);
+template void count(Counts&, const State<3>&, std::int32_t, const Piece<3>&);
 
 Costs train(const Counts& counts) {
     Costs costs;

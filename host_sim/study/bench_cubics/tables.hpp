@@ -8,13 +8,16 @@
 #include <vector>
 
 #include "fairlead/code/model.hpp"
-#include "fairlead/curve/cubic_state.hpp"
+#include "fairlead/curve/cubic_rotation.hpp"
 
 namespace fairlead::sim::cubics {
 
-using State = curve::CubicState<1>;
-using Piece = curve::Piece<1>;
-using Span = curve::CubicSpan<1>;
+template <std::size_t N>
+using State = curve::CubicState<N>;
+template <std::size_t N>
+using Piece = curve::Piece<N>;
+template <std::size_t N>
+using Span = curve::CubicSpan<N>;
 
 /// How a piece goes on, outside a run.
 enum class Way : std::uint8_t { listed, to_end, breaks };
@@ -38,11 +41,23 @@ struct Model {
 using Costs = Model<std::uint8_t>;
 using Counts = Model<double>;
 
-std::size_t way_row(const State& state, std::int32_t left);
-std::size_t length_row(const State& state);
-/// Row of k of a piece of h ticks. `line`: it is a line.
-std::size_t value_row(const State& state, std::int32_t h, bool line);
+template <std::size_t N>
+std::size_t way_row(const State<N>& state, std::int32_t left);
+template <std::size_t N>
+std::size_t length_row(const State<N>& state);
+/// Row of k of component c of a piece of h ticks. `line`: it is a line; `moved`: a k of a component
+/// before is not 0.
+template <std::size_t N>
+std::size_t value_row(const State<N>& state, std::size_t c, std::int32_t h, bool line, bool moved);
+/// The sign that k of component c is told relative to; 0 counts as plus.
+template <std::size_t N>
+std::int8_t told_sign(const State<N>& state, std::size_t c, bool line) {
+    return state.run > 0 || line ? std::int8_t{0} : state.sign[c];
+}
 
+/// Adds the symbols of a piece. left: ticks to the end of its frame.
+template <std::size_t N>
+void count(Counts& counts, const State<N>& state, std::int32_t left, const Piece<N>& piece);
 /// Costs of what was counted, with something expected of each symbol.
 Costs train(const Counts& counts);
 /// Writes code/cubic_tables.hpp. @return false: the file could not be written.

@@ -42,31 +42,39 @@ double apart(const Cell& cell, const double* a, const double* b) {
     return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/// Compares t_ns,px,py,pz,qw,qx,qy,qz with the track.
-void check(const std::string& csv, const Cell& cell, Ours& ours) {
+/// The values of t_ns,px,py,pz,qw,qx,qy,qz at the records of a cell; NaN where there is none.
+std::vector<double> values_of(const std::string& csv, const Cell& cell) {
     std::istringstream lines{csv};
     std::string line;
     std::getline(lines, line);
-    const bool position = cell.track.channel == Channel::position;
-    double before[4] = {}, square = 0, off_square = 0;
-    bool follows = false;
-    std::size_t i = 0, steps = 0;
-    for (; i < cell.track.size() && std::getline(lines, line); ++i) {
+    std::vector<double> values(cell.track.x.size(), std::nan(""));
+    for (std::size_t i = 0; i < cell.track.size() && std::getline(lines, line); ++i) {
         std::istringstream fields{line};
         std::string field;
-        for (int skip = position ? 1 : 4; skip > 0; --skip) std::getline(fields, field, ',');
-        double value[4] = {1};
-        bool empty = false;
+        for (int skip = cell.track.dim() == 3 ? 1 : 4; skip > 0; --skip)
+            std::getline(fields, field, ',');
         for (std::size_t d = 0; d < cell.track.dim(); ++d) {
-            if (!std::getline(fields, field, ',')) field.clear();
-            empty = empty || field.empty();
-            value[d] = std::strtod(field.c_str(), nullptr);
+            if (!std::getline(fields, field, ',') || field.empty()) break;
+            values[i * cell.track.dim() + d] = std::strtod(field.c_str(), nullptr);
         }
+    }
+    return values;
+}
+
+/// Compares values with the track.
+void check(const std::vector<double>& values, const Cell& cell, Ours& ours) {
+    const double* before = nullptr;
+    double square = 0, off_square = 0;
+    std::size_t steps = 0;
+    for (std::size_t i = 0; i < cell.track.size(); ++i) {
+        const double* value = &values[i * cell.track.dim()];
+        const bool empty =
+            std::any_of(value, value + cell.track.dim(), [](double x) { return std::isnan(x); });
         if (empty)
             ++ours.samples_missing;
         else
             ours.error = std::max(ours.error, cell.track.error(i, value) / cell.tolerance);
-        if (follows && !empty) {
+        if (before != nullptr && !empty) {
             const double step_s = cell.track.t[i] - cell.track.t[i - 1];
             const double speed = apart(cell, cell.track.at(i - 1), cell.track.at(i)) / step_s;
             const double off = apart(cell, before, value) / step_s - speed;
@@ -74,14 +82,12 @@ void check(const std::string& csv, const Cell& cell, Ours& ours) {
             off_square += off * off;
             ++steps;
         }
-        std::copy(value, value + 4, before);
-        follows = !empty;
+        before = empty ? nullptr : value;
     }
     if (steps > 0) {
         ours.speed = std::sqrt(square / static_cast<double>(steps));
         ours.speed_error = std::sqrt(off_square / static_cast<double>(steps));
     }
-    ours.samples_missing += cell.track.size() - i;
 }
 
 void say_once(const std::string& what) {
@@ -117,24 +123,38 @@ std::optional<std::string> Program::decoded(const std::string& in, const Setting
     return {};
 }
 
-std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay,
-                                    const Setting& setting) const {
+std::optional<std::string> Program::reduced(const Cell& cell, std::size_t delay,
+                                            const Setting& setting) const {
     const std::string in = folder + "/cut/" + cell.file_name();
     const bool position = cell.track.channel == Channel::position;
     const Tolerances tolerances{position ? cell.tolerance : 0.001,
                                 position ? 0.01 : cell.tolerance};
-    const std::string name = to_string(cell.track.channel);
-    const auto json = stream_of(in, tolerances, delay, "--channel " + name, setting);
+    return stream_of(in, tolerances, delay,
+                     std::string{"--channel "} + to_string(cell.track.channel), setting);
+}
+
+std::optional<std::vector<double>> Program::values(const Cell& cell, std::size_t delay,
+                                                   const Setting& setting) const {
+    if (!reduced(cell, delay, setting)) return {};
+    const auto csv = decoded(folder + "/cut/" + cell.file_name(), setting);
+    if (!csv) return {};
+    return values_of(*csv, cell);
+}
+
+std::optional<Ours> Program::reduce(const Cell& cell, std::size_t delay,
+                                    const Setting& setting) const {
+    const auto json = reduced(cell, delay, setting);
     if (!json) return {};
+    const std::string name = to_string(cell.track.channel);
     const std::size_t block = json->find('"' + name + '"');
     Ours ours;
     ours.bytes = static_cast<std::size_t>(number_after(*json, "bytes", 0));
     ours.control_points = static_cast<std::size_t>(number_after(*json, "control_points", block));
     ours.max_delay = number_after(*json, "max_delay_samples", block);
     ours.mean_delay = number_after(*json, "mean_delay_samples", block);
-    const auto csv = decoded(in, setting);
+    const auto csv = decoded(folder + "/cut/" + cell.file_name(), setting);
     if (!csv) return {};
-    check(*csv, cell, ours);
+    check(values_of(*csv, cell), cell, ours);
     return ours;
 }
 
@@ -165,8 +185,8 @@ std::optional<Ours> Program::reduce_both(const Cell& position, const Cell& orien
             std::max(ours.max_delay, number_after(*json, "max_delay_samples", json->find(channel)));
     const auto csv = decoded(in, setting);
     if (!csv) return {};
-    check(*csv, position, ours);
-    check(*csv, orientation, ours);
+    check(values_of(*csv, position), position, ours);
+    check(values_of(*csv, orientation), orientation, ours);
     return ours;
 }
 

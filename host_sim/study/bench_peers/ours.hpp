@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host_sim/study/bench_peers/subjects.hpp"
 
@@ -35,6 +36,9 @@ struct Program {
     std::string path, folder, extra_arguments;
     /// Empty where the program is absent or refuses; the reason goes to standard error once.
     std::optional<Ours> reduce(const Cell& cell, std::size_t delay, const Setting& setting) const;
+    /// The decoded values at the records of the cell, as in its track; NaN where there is none.
+    std::optional<std::vector<double>> values(const Cell& cell, std::size_t delay,
+                                              const Setting& setting) const;
     /// Both channels of a recording in one stream; of the same records.
     std::optional<Ours> reduce_both(const Cell& position, const Cell& orientation,
                                     std::size_t delay, const Setting& setting) const;
@@ -48,6 +52,9 @@ struct Program {
     std::optional<std::string> stream_of(const std::string& in, const Tolerances& tolerances,
                                          std::size_t delay, const std::string& channels,
                                          const Setting& setting) const;
+    /// Reduces a cell to stream(). @return what --json says
+    std::optional<std::string> reduced(const Cell& cell, std::size_t delay,
+                                       const Setting& setting) const;
     /// The stream at the times of the recording, as CSV.
     std::optional<std::string> decoded(const std::string& in, const Setting& setting) const;
 };
