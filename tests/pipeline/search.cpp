@@ -23,13 +23,13 @@ inline constexpr auto reckless = static_cast<Beam>(3), reckless_wide = static_ca
 namespace detail {
 template <>
 struct BeamSizes<reckless> {
-    struct Type : reduce::Beam<3, 32> {
+    struct Type : reduce::BeamSize<3, 32> {
         static constexpr float trust = 1.03f;
     };
 };
 template <>
 struct BeamSizes<reckless_wide> {
-    struct Type : reduce::Beam<2, 24> {
+    struct Type : reduce::BeamSize<2, 24> {
         static constexpr float trust = 1.3f;
     };
 };

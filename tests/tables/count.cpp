@@ -23,7 +23,7 @@ namespace {
 
 using namespace fairlead;
 using Kind = curve::Smooth;
-using Width = reduce::Beam<4, 40>;
+using Width = reduce::BeamSize<4, 40>;
 constexpr std::size_t longest = 240;
 using Vectors = reduce::VectorChannel<3, Kind, Width, longest>;
 using Rotations = reduce::RotationChannel<Kind, Width, longest>;

@@ -10,8 +10,8 @@
 namespace fairlead {
 namespace {
 
-using Vectors = reduce::VectorChannel<3, curve::Smooth, reduce::Beam<3, 32>, 240>;
-using Rotations = reduce::RotationChannel<curve::Smooth, reduce::Beam<3, 32>, 240>;
+using Vectors = reduce::VectorChannel<3, curve::Smooth, reduce::BeamSize<3, 32>, 240>;
+using Rotations = reduce::RotationChannel<curve::Smooth, reduce::BeamSize<3, 32>, 240>;
 using Check = test::CurveCheck<Vectors, Rotations>;
 using reduce::Seam;
 

@@ -12,16 +12,16 @@
 namespace fairlead::test {
 namespace {
 
-using Position = wire::Vector<3, wire::Medium, curve::Cubics>;
+using Position = wire::VectorForm<3, wire::Medium, curve::Cubics>;
 using Alone = wire::Encoder<120, 0, Position>;
-using Wide = wire::Encoder<60, 2, wire::Vector<3, wire::Large, curve::Cubics>>;
-using Both = wire::Encoder<120, 0, Position, wire::Orientation<>>;
-using Narrow = wire::Encoder<24, 0, wire::Vector<3, wire::Small, curve::Cubics>>;
+using Wide = wire::Encoder<60, 2, wire::VectorForm<3, wire::Large, curve::Cubics>>;
+using Both = wire::Encoder<120, 0, Position, wire::RotationForm<>>;
+using Narrow = wire::Encoder<24, 0, wire::VectorForm<3, wire::Small, curve::Cubics>>;
 /// Trusts more than the whole tolerance: many committed curves do not hold their samples.
 struct Faulty : wire::Medium {
     static constexpr float trust = 1.3f;
 };
-using Broken = wire::Encoder<60, 0, wire::Vector<3, Faulty, curve::Cubics>>;
+using Broken = wire::Encoder<60, 0, wire::VectorForm<3, Faulty, curve::Cubics>>;
 
 struct Sum {
     std::size_t accepted{}, pieces{}, breaks{}, given_up{}, failures{}, frames{};

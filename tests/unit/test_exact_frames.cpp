@@ -14,11 +14,12 @@ namespace fairlead::test {
 namespace {
 
 /// Uses 10 % more than the tolerance.
-struct Reckless : reduce::Beam<2, 24> {
+struct Reckless : reduce::BeamSize<2, 24> {
     static constexpr float trust = 1.1f;
 };
-using Both = wire::Encoder<120, 0, wire::Vector<3, Reckless>, wire::Orientation<Reckless>>;
-using Sound = wire::Encoder<120, 0, wire::Vector<3, wire::Small>, wire::Orientation<wire::Small>>;
+using Both = wire::Encoder<120, 0, wire::VectorForm<3, Reckless>, wire::RotationForm<Reckless>>;
+using Sound =
+    wire::Encoder<120, 0, wire::VectorForm<3, wire::Small>, wire::RotationForm<wire::Small>>;
 
 struct Dice {
     std::mt19937_64 engine;

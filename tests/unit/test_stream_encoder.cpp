@@ -12,10 +12,11 @@
 namespace fairlead::test {
 namespace {
 
-using Both = wire::Encoder<120, 2, wire::Vector<3>, wire::Orientation<>>;
-using Alone = wire::Encoder<64, 0, wire::Vector<2, wire::Small>>;
-using Pair = wire::Encoder<60, 0, wire::Vector<1, wire::Small>, wire::Vector<1, wire::Small>>;
-using Turning = wire::Encoder<32, 0, wire::Orientation<wire::Small>>;
+using Both = wire::Encoder<120, 2, wire::VectorForm<3>, wire::RotationForm<>>;
+using Alone = wire::Encoder<64, 0, wire::VectorForm<2, wire::Small>>;
+using Pair =
+    wire::Encoder<60, 0, wire::VectorForm<1, wire::Small>, wire::VectorForm<1, wire::Small>>;
+using Turning = wire::Encoder<32, 0, wire::RotationForm<wire::Small>>;
 
 struct Dice {
     std::mt19937_64 engine;

@@ -33,7 +33,7 @@ template <class Channel, Beam beam, class Kind>
 struct WireChannel;
 template <Beam beam, class Kind>
 struct WireChannel<Position, beam, Kind> {
-    using Tag = wire::Vector<3, BeamOf<beam>, Kind>;
+    using Tag = wire::VectorForm<3, BeamOf<beam>, Kind>;
     static constexpr flag::Bits valid = flag::position_valid, gap = flag::position_gap;
     static std::array<float, 3> value(const Pose& pose) noexcept {
         return {pose.p_w_m.x, pose.p_w_m.y, pose.p_w_m.z};
@@ -45,7 +45,7 @@ struct WireChannel<Position, beam, Kind> {
 };
 template <Beam beam, class Kind>
 struct WireChannel<Orientation, beam, Kind> {
-    using Tag = wire::Orientation<
+    using Tag = wire::RotationForm<
         std::conditional_t<beam == Beam::medium, wire::MediumTurning, BeamOf<beam>>>;
     static constexpr flag::Bits valid = flag::orientation_valid, gap = flag::orientation_gap;
     static const Quat& value(const Pose& pose) noexcept { return pose.q_wb; }
@@ -56,7 +56,7 @@ struct WireChannel<Orientation, beam, Kind> {
 };
 template <std::size_t D, Beam beam, class Kind>
 struct WireChannel<Vector<D>, beam, Kind> {
-    using Tag = wire::Vector<D, BeamOf<beam>, Kind>;
+    using Tag = wire::VectorForm<D, BeamOf<beam>, Kind>;
     static constexpr flag::Bits valid = flag::vector_valid, gap = flag::vector_gap;
     static const std::array<float, D>& value(const VectorSample<D>& sample) noexcept {
         return sample.value;

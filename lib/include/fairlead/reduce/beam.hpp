@@ -23,7 +23,7 @@ using code::Cost;
 /// rotations with samples a column, about. wire/encoder.hpp has the sizes of the boards' beams.
 /// Wider costs work and memory and saves bytes, and so does less spare: docs/choosing.md.
 template <std::size_t WidthN, std::size_t OpenN, std::uint32_t SpareN = 6, int TestsN = 120>
-struct Beam {
+struct BeamSize {
     static constexpr std::size_t width = WidthN;
     static constexpr std::size_t open = OpenN;
     static constexpr std::uint32_t spare = SpareN;

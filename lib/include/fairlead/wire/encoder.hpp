@@ -30,15 +30,15 @@
 namespace fairlead::wire {
 
 /// Sizes of a search (reduce/beam.hpp): wider costs work and memory, and saves bytes.
-using Small = reduce::Beam<2, 24>;
-using Medium = reduce::Beam<3, 24>;
-using Large = reduce::Beam<8, 64, 2, 200>;
+using Small = reduce::BeamSize<2, 24>;
+using Medium = reduce::BeamSize<3, 24>;
+using Large = reduce::BeamSize<8, 64, 2, 200>;
 /// Of rotations, whose vertices have three components: more of them are about as cheap.
-using MediumTurning = reduce::Beam<6, 32>;
+using MediumTurning = reduce::BeamSize<6, 32>;
 
 /// A channel of D numbers, each within its tolerance by itself.
 template <std::size_t D, class BeamT = Medium, class KindT = curve::Smooth>
-struct Vector {
+struct VectorForm {
     using Kind = KindT;
     using Beam = BeamT;
     using Value = std::array<float, D>;
@@ -49,7 +49,7 @@ struct Vector {
 };
 /// A channel of orientations, within its tolerance as a rotation angle.
 template <class BeamT = MediumTurning, class KindT = curve::Smooth>
-struct Orientation {
+struct RotationForm {
     using Kind = KindT;
     static_assert(!Kind::cubic, "orientations have quadratics");
     using Beam = BeamT;
