@@ -7,6 +7,7 @@ import zlib
 from simulator import axis_distance, main, must, read_csv, read_trk, rotation_angle, run
 
 SPEC = "model:optical+rest:1+reach:0.8:3+gap:0.3+oscillate:2:2+lose:position:0.4+turn:1:9+rest:1"
+LONG = "model:optical+rest:1+reach:0.8:20+gap:0.3+oscillate:8:2+lose:position:0.4+turn:1:9+rest:1"
 
 
 def generated(folder, name="in.trk", spec=SPEC):
@@ -225,7 +226,7 @@ def test_more_restarts_cost_bytes(folder):
 
 
 def test_the_width_of_the_search_and_its_objective(folder):
-    trk = generated(folder)
+    trk = generated(folder, "long.trk", LONG)  # widths differ by less than what one frame may gain by luck
     def reduced(*options):
         return json.loads(must("reduce", trk, "--tol-pos", "1e-3", "--tol-rot", "0.00436", "--delay", 60,
                                "--out", folder / "s.flr", "--json", *options))
