@@ -78,7 +78,7 @@ class Search : private Geometry {
         }
         last_ = static_cast<std::uint8_t>(at.last);
         column_count_ = 0;
-        most_ = at.end && end_width < width ? end_width : width;
+        back_ = (at.end && end_width < width ? end_width : width) - 1;
         Geometry::begin_column(BeamT::tests);
         const Cost bound = best_ + margin_cost;
         const bool many = open_count_ > 1;
@@ -291,8 +291,7 @@ class Search : private Geometry {
     /// What costs as much finds no place in the column.
     Cost worst() const noexcept {
         Cost most = cost_limit;
-        if (column_count_ == most_ && column_[most_ - 1].cost < most)
-            most = column_[most_ - 1].cost;
+        if (column_count_ > back_ && column_[back_].cost < most) most = column_[back_].cost;
         if (column_count_ > 0 && column_[0].cost + margin_cost < most)
             most = column_[0].cost + margin_cost;
         return most;
@@ -315,9 +314,9 @@ class Search : private Geometry {
             break;
         }
         if (at == column_count_) {
-            if (column_count_ < most_)
+            if (column_count_ <= back_)
                 ++column_count_;
-            else if (column_[most_ - 1].cost <= c.cost)
+            else if (column_[back_].cost <= c.cost)
                 return;
             at = column_count_ - 1;
         }
@@ -385,7 +384,7 @@ class Search : private Geometry {
     Cost best_{0};
     float radius_{};
     std::size_t open_count_{0}, column_count_{0};
-    std::size_t most_{width};  // children that the column keeps
+    std::size_t back_{width - 1};  // place of the dearest child that the column keeps
     std::uint8_t tick_{0}, before_tick_{0}, before_vertex_{0};
     std::uint8_t last_{0};  // one behind the last sample of the column
     bool fresh_{true};
