@@ -19,6 +19,12 @@ struct Board {
     static constexpr std::size_t events_max = 0;
 };
 
+/// The part of the encoder that carries a channel of the board.
+template <class C, class B, std::size_t Window>
+using Part =
+    typename detail::WireChannel<C, B::beam,
+                                 typename detail::KindOf<B>::Type>::Tag::template Channel<Window>;
+
 template <class B>
 struct Parts {
     using Whole = Pipeline<B>;
@@ -27,17 +33,13 @@ struct Parts {
         if constexpr (!B::Channels::template has<Position>)
             return 0;
         else
-            return sizeof(
-                typename detail::WireChannel<Position,
-                                             B::beam>::Tag::template Channel<Inner::window_max>);
+            return sizeof(Part<Position, B, Inner::window_max>);
     }
     static constexpr std::size_t orientation() {
         if constexpr (!B::Channels::template has<Orientation>)
             return 0;
         else
-            return sizeof(
-                typename detail::WireChannel<Orientation,
-                                             B::beam>::Tag::template Channel<Inner::window_max>);
+            return sizeof(Part<Orientation, B, Inner::window_max>);
     }
     static constexpr std::size_t intake = sizeof(typename Whole::Gate),
                                  grid = sizeof(typename Whole::Grid),
