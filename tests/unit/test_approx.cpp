@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
+#include <limits>
 #include <random>
 
 #include "fairlead/math/approx.hpp"
@@ -147,6 +148,11 @@ TEST(Approx, ExpAndLog) {
     EXPECT_EQ(approx::exp(-1000.0f), 0.0f);
     EXPECT_TRUE(approx::is_finite(approx::exp(1000.0f)));
     EXPECT_TRUE(approx::is_finite(approx::log(0.0f)));
+    constexpr float least = std::numeric_limits<float>::min();  // the domain includes both ends
+    constexpr float most = std::numeric_limits<float>::max();
+    EXPECT_LT(ulp_error(approx::log(least), std::log(double{least})), 0.9);
+    EXPECT_LT(ulp_error(approx::log(most), std::log(double{most})), 0.9);
+    EXPECT_EQ(approx::log(least / 2), std::numeric_limits<float>::lowest());
     EXPECT_TRUE(approx::is_nan(approx::exp(NAN)) && approx::is_nan(approx::log(NAN)));
 }
 

@@ -27,6 +27,25 @@ Vec3 direction(Random& random) {
 }
 void expect_near(const Vec3& a, const Vec3& b, float bound) { EXPECT_LT(norm(a - b), bound); }
 
+TEST(Moments, MeanAndLargestDeviationOfThreeAxes) {
+    // y spreads twice as far as x and three times as far as z, whatever axis comes first
+    for (int turn = 0; turn < 3; ++turn) {
+        const auto turned = [turn](const Vec3& v) {
+            return turn == 0 ? v : turn == 1 ? Vec3{v.y, v.z, v.x} : Vec3{v.z, v.x, v.y};
+        };
+        Moments moments;
+        EXPECT_EQ(moments.deviation(), 0.0f);
+        moments.push(turned({5, 6, 7}));
+        EXPECT_EQ(moments.deviation(), 0.0f);
+        moments.reset();
+        for (const float k : {-3.0f, -1.0f, 1.0f, 3.0f})
+            moments.push(turned({1 + 3 * k, -2 + 6 * k, 10 - 2 * k}));
+        EXPECT_EQ(moments.count(), 4u);
+        expect_near(moments.mean(), turned({1, -2, 10}), 1e-5f);
+        EXPECT_NEAR(moments.deviation(), 6 * std::sqrt(20.0 / 3), 1e-4);
+    }
+}
+
 TEST(Calibration, DefaultChangesNothing) {
     Sample s;
     s.t_ns = 7;
