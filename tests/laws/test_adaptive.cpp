@@ -318,3 +318,29 @@ TEST(Adaptive, StaysUnitAndFiniteForEver) {
     EXPECT_DEATH((AdaptivePoseFilter{{0, 1}, {}}), "");
     EXPECT_DEATH((AdaptivePoseFilter{{1, NAN}, {}}), "");
 }
+
+TEST(Adaptive, WhatIsNotValidPassesAndTeachesNothing) {
+    std::mt19937_64 random{5};
+    std::vector<Pose> mixed = poses_of(random_motion(5, 400)), position, orientation;
+    for (Pose& pose : mixed) {
+        const auto lost = random() % 4;
+        if (lost == 1) pose.flags = flag::orientation_valid, pose.p_w_m = {1e6f, -1e6f, 3};
+        if (lost == 2) pose.flags = flag::position_valid, pose.q_wb = {0, 0, 0, 1};
+        if (lost != 1) position.push_back(pose);
+        if (lost != 2) orientation.push_back(pose);
+    }
+    const AdaptivePoseFilter fresh;
+    const auto all = run(fresh, mixed), moved = run(fresh, position),
+               turned = run(fresh, orientation);
+    std::size_t p = 0, q = 0;
+    for (std::size_t i = 0; i < mixed.size(); ++i) {
+        const bool has_p = (mixed[i].flags & flag::position_valid) != 0;
+        const bool has_q = (mixed[i].flags & flag::orientation_valid) != 0;
+        const Pose& expected_p = has_p ? moved[p++] : mixed[i];
+        const Pose& expected_q = has_q ? turned[q++] : mixed[i];
+        ASSERT_EQ(norm(all[i].p_w_m - expected_p.p_w_m), 0) << i;
+        const Quat &q_is = all[i].q_wb, &q_due = expected_q.q_wb;
+        ASSERT_EQ(norm(vec(q_is) - vec(q_due)), 0) << i;
+        ASSERT_EQ(q_is.w, q_due.w) << i;
+    }
+}

@@ -113,11 +113,16 @@ def main():
     together = Together(suite, LIB, [(header, site) for _, header, site in chosen], args.jobs)
     print(f"{len(together.spans)} of them as switches in {len(together.tests)} tests", flush=True)
 
-    def one(k):
+    alone = [k for k in range(1, len(chosen) + 1) if k not in together.spans]
+
+    def one(judge, k):
         folder, text = chosen[k - 1][0], describe(chosen[k - 1])
         if time.monotonic() > end:
             return
-        outcome, by = together.judge(k)
+        outcome, by = judge(k)
+        if outcome is None:
+            alone.append(k)
+            return
         if outcome in SURVIVED:
             if re.sub(r":\d+ \[[^]]*\]", ":", text) in known:
                 outcome = "explained"
@@ -128,7 +133,9 @@ def main():
 
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
         try:
-            list(pool.map(one, range(1, len(chosen) + 1)))
+            # compilations of their own come last: most of the table is known soon
+            list(pool.map(lambda k: one(together.judge_switch, k), list(together.spans)))
+            list(pool.map(lambda k: one(together.judge_alone, k), alone))
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise

@@ -31,6 +31,10 @@ class Together:
                                 ((mutants[j - 1][0], s) for j, s in self.spans.items())):
                 self.spans[k] = span
         self.overlay, self.lock = suite.work / "together", threading.Lock()
+        self.refused = self.overlay / "refused.json"  # digests of switches that do not compile, of this call and earlier ones
+        if self.refused.exists():
+            known = set(json.loads(self.refused.read_text(encoding="utf-8")))
+            self.spans = {k: span for k, span in self.spans.items() if self.digest(k) not in known}
         self.generation = 0  # of the switched headers
         self.write()
         with tempfile.NamedTemporaryFile("w", suffix=".cpp", dir=suite.work) as source:
@@ -47,6 +51,11 @@ class Together:
 
     def place(self, header):
         return self.overlay / header.relative_to(self.lib.parent)
+
+    def digest(self, k):
+        """Of a mutant and its header."""
+        header, site = self.mutants[k - 1]
+        return hashlib.sha256(f"{self.texts[header]} {site}".encode()).hexdigest()
 
     def write(self):
         """Writes the headers with their switches. Each stays on its line."""
@@ -81,6 +90,8 @@ class Together:
             with self.lock:
                 for k in guilty:
                     self.spans.pop(k, None)
+                earlier = json.loads(self.refused.read_text(encoding="utf-8")) if self.refused.exists() else []
+                self.refused.write_text(json.dumps([*earlier, *(self.digest(k) for k in guilty)]), encoding="utf-8")
                 self.write()
                 self.generation += 1
         return False

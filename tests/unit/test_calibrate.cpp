@@ -129,6 +129,10 @@ TEST(GyroTemperatureFit, WantsRestsThatDiffer) {
     EXPECT_EQ(fit.result().status(), Status::not_enough_data) << "3.6 K are no span";
     fit.push({0.02f, 0, 0}, 26);
     EXPECT_TRUE(fit.result());
+    GyroTemperatureFit least;  // the span that is asked for, and no more
+    for (const float t : {20.0f, 22.0f, 20 + GyroTemperatureFit::span_K_min})
+        least.push({0.01f, 0, 0}, t);
+    EXPECT_TRUE(least.result());
     GyroTemperatureFit two;
     two.push({0.01f, 0, 0}, 10);
     two.push({0.01f, 0, 0}, 30);
