@@ -23,10 +23,13 @@ void run(Input& in) {
     Filter attitude;
     std::int64_t t = 0;
     const std::int64_t period = std::int64_t{1'000'000} << in.below(8);
-    while (!in.empty()) {
+    // mostly short, so that there are many; now and then long enough for all that takes time
+    std::size_t left = in.byte() % 32 == 0 ? 6000 : 400;
+    while (!in.empty() && left > 0) {
         Sample next = fuzz::sample(in);
         // a sample once drawn may stay for a while: estimators need time to go wrong
-        for (std::size_t repeat = in.flag() ? 1 + in.below(64) : 1; repeat > 0; --repeat) {
+        std::size_t repeat = in.flag() ? 1 + in.below(64) : 1;
+        for (; repeat > 0 && left > 0; --repeat, --left) {
             next.t_ns = t;
             t = in.time_after(t, period);
             const auto accepted = intake.push(next);
