@@ -101,8 +101,9 @@ $(eval $(call program,bench-smooth,$(STUDY)/bench_smooth/smooth.cpp $(call sourc
 $(eval $(call program,bench-attitude,$(call sources,$(STUDY)/bench_attitude/*.cpp $(STUDY)/baselines/ahrs/*.cpp),$(SIM)))
 $(eval $(call program,pipeline-search,tests/pipeline/search.cpp))
 $(eval $(call program,pipeline-soak,tests/pipeline/soak.cpp,generate recording,-lz))
-ATTITUDE_TRIALS := $(addprefix $(STUDY)/bench_attitude/,locks.cpp motions.cpp simulated.cpp)  # simulated devices
-$(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp) $(ATTITUDE_TRIALS),$(SIM) chip_models,$(GOOGLE_TEST)))
+# simulated devices, and the streams of the targets
+UNIT_BESIDES := $(addprefix $(STUDY)/bench_attitude/,locks.cpp motions.cpp simulated.cpp) tests/target/stream.cpp
+$(eval $(call program,tests/unit,$(call sources,tests/unit/*.cpp tests/laws/*.cpp) $(UNIT_BESIDES),$(SIM) chip_models,$(GOOGLE_TEST)))
 $(eval $(call program,tests/port,$(call sources,tests/port/*.cpp) examples/record/writer.cpp,port recording chip_models,-lgpiod $(GOOGLE_TEST)))
 $(eval $(call program,tests/gateway,$(call sources,tests/gateway/*.cpp),gateway port recording chip_models,$(GOOGLE_TEST) $(GATEWAY_LIBS)))
 $(eval $(call program,tests/peers,$(call sources,tests/peers/*.cpp) $(PEERS_TESTED),peers $(SIM),$(GOOGLE_TEST) -lz))
@@ -211,7 +212,7 @@ pipeline-search: $(BUILD)/pipeline-search ## [compile] lead random streams throu
 	@$< --streams $(STREAMS) --seed $(SEED)
 soak: $(BUILD)/pipeline-soak ## [build] loop the tracker's recordings (or generated ones) through one pipeline for HOURS=24 of data and judge it from the bytes (minutes)
 	@$< --hours $(HOURS) --seed $(SEED) $(sort $(wildcard $(RECORDINGS)/tracker120/*.trk))
-mutants: $(call objects,$(ATTITUDE_TRIALS)) $(patsubst %,$(BUILD)/lib%.a,$(SIM) chip_models) ## [build script test mutants] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
+mutants: $(call objects,$(UNIT_BESIDES)) $(patsubst %,$(BUILD)/lib%.a,$(SIM) chip_models) ## [build script test mutants] mutation testing of lib: change one place at a time, and ask whether a test notices (hours)
 	@tests/mutants/test_mutants.py
 	@tests/mutants/mutants.py --build $(BUILD) --link '$^' --flags '$(BASE) -O1 -isystem /usr/include/eigen3' $(MUTANTS)
 fuzz: $(FUZZ_TARGETS) ## [build gateway clang sanitize script] search for crashes and broken promises by fuzzing, SECONDS=60 for each target

@@ -426,6 +426,42 @@ TEST(StreamEncoder, RefusedParametersNameTheirField) {
     EXPECT_EQ(refused([](auto& p) { p.gap_ns = -1; }), "gap_ns");
 }
 
+TEST(StreamEncoder, TheHeaderTellsEachToleranceAndHardlyMore) {
+    Dice dice{std::mt19937_64{11}};
+    const auto decade = [&dice](double from, double to) {
+        return static_cast<float>(std::pow(10, from + (to - from) * dice.unit()));
+    };
+    for (int i = 0; i < 100; ++i) {
+        Both::Params params;
+        const std::array<float, 3> metres{decade(-4, 0), decade(-4, 0), decade(-4, 0)};
+        params.tolerance = {metres, decade(-3, -1)};
+        ASSERT_TRUE(Both::check(params));
+        auto encoder = std::make_unique<Both>(params);
+        std::vector<std::uint8_t> bytes;
+        const auto keep = [&bytes](const Bytes& out) {
+            bytes.insert(bytes.end(), out.begin(), out.end());
+            return out.status != Status::end;
+        };
+        for (int k = 0; k < 5; ++k)
+            keep(encoder->push(k * params.sample_period_ns, {{0, 0, 0}, Quat{}}, 3, 0, k == 0));
+        while (keep(encoder->flush())) continue;
+        wire::Header header;
+        const std::size_t size = wire::frame_size(bytes[0], bytes[1]);
+        ASSERT_EQ(read_header(bytes.data(), size, header), wire::HeaderFault::none);
+        for (std::size_t c = 0; c < 2; ++c) {
+            const wire::ChannelShape& shape = header.shape.channel[c];
+            double most = 0;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const double step = shape.step[a].step<double>();
+                const double due = static_cast<double>(params.tolerance[c][c == 0 ? a : 0]);
+                most = std::max(most, due / step * 32768);
+            }
+            EXPECT_GE(shape.tolerance, most);
+            EXPECT_LE(shape.tolerance, most + 2) << "rounded up once";
+        }
+    }
+}
+
 TEST(StreamEncoder, EventsComeOutExactlyAndOnce) {
     Both::Params params;
     params.tolerance = {0.001f, 0.0044f};
