@@ -58,7 +58,9 @@ class Together:
         return hashlib.sha256(f"{self.texts[header]} {site}".encode()).hexdigest()
 
     def write(self):
-        """Writes the headers with their switches. Each stays on its line."""
+        """Writes the headers with their switches, and removes those of an earlier draw. Each stays on its line."""
+        for old in set(self.overlay.rglob("*.hpp")) - {self.place(h) for h in self.texts}:
+            old.unlink()
         for header, text in self.texts.items():
             found = [(k, self.mutants[k - 1][1], span) for k, span in self.spans.items() if self.mutants[k - 1][0] == header]
             place = self.place(header)
