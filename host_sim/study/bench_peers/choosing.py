@@ -80,15 +80,18 @@ def on_a_core(bounds):
     section = bounds.read_text(encoding="utf-8").split("## Cortex-M4F\n")[1].split("\n## ")[0]
     lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in section.splitlines() if line.startswith("|")]
     column = {name: i for i, name in enumerate(lines[0])}
-    out = ("| width, both channels, delay 120 | instructions of a push, mean | worst found | bytes of RAM | bytes of flash |\n"
+    out = ("| width and kind, both channels, delay 120 | instructions of a push, mean | worst found | bytes of RAM | bytes of flash |\n"
            "|---|---|---|---|---|\n")
-    for width in ("narrow", "medium", "wide"):
-        row = next(line for line in lines if line[0] == f"encode_{width}_120")
-        out += f"| {width} | {' | '.join(row[column[name]] for name in ('mean', 'worst found', 'RAM', 'flash'))} |\n"
+    for stage, name in (("narrow", "narrow, C1"), ("medium", "medium, C1"), ("wide", "wide, C1"),
+                        ("cubic", "medium, C2 positions")):
+        row = next(line for line in lines if line[0] == f"encode_{stage}_120")
+        out += f"| {name} | {' | '.join(row[column[name]] for name in ('mean', 'worst found', 'RAM', 'flash'))} |\n"
     return out
 
 
 WIDTHS = [("narrow, C1", 0, "--beam", "narrow"), ("medium, C1", 0, "--beam", "medium"), ("wide, C1", 0, "--beam", "wide"),
+          ("medium, C2 positions", 0, "--continuity", 2),
+          ("wide, C2 positions", 0, "--continuity", 2, "--beam", "wide"),
           ("earlier search, C2", 0, "--objective", "knots")]
 DELAYS = [(str(d), d, "--delay", d) for d in (16, 32, 60, 120, 240)]
 RESTARTS = ([("0: each frame alone", 0, "--restart", 0)] + [(str(s), s, "--restart", s) for s in (0.5, 1, 2, 5)] +
@@ -124,7 +127,8 @@ def plots(path, made):
               panel("restart interval", "s (0: each frame alone)", [("medium", over(restarts))]) +
               panel("tolerance", "mm (and a quarter of it in degrees, about)", [("medium", over(tolerances))], "xy") +
               panel("velocity error", "mm/s rms", [("by delay", speeds(delays)), ("by tolerance", speeds(tolerances)),
-                                                   ("widths", speeds(widths[:3])), ("earlier search, C2", speeds(widths[3:]))]) +
+                                                   ("widths", speeds(widths[:3])), ("C2 positions", speeds(widths[3:5])),
+                                                   ("earlier search, C2", speeds(widths[5:]))]) +
               "unset multiplot\n")
     subprocess.run(["gnuplot"], input=script, text=True, check=True)
 
