@@ -19,6 +19,12 @@ struct BoardOf {
     static constexpr std::size_t events_max = 2;
 };
 
+/// Curves whose acceleration is continuous, too.
+template <class Board>
+struct CubicsOf : Board {
+    using Kind = curve::Cubics;
+};
+
 /// What a reader tells of a stream: every piece, at its ends and in its middle.
 class Readings {
   public:
@@ -33,8 +39,10 @@ class Readings {
     }
 
   private:
+    using Decoder = wire::Decoder<3, 1, wire::KindSet<curve::Smooth, curve::Cubics>>;
+
     void drain() {
-        wire::CurvePiece piece;
+        Decoder::Piece piece;
         Event event;
         while (decoder_.next(piece)) {
             mix(digest_, std::uint32_t{piece.channel});
@@ -50,7 +58,7 @@ class Readings {
         while (decoder_.next_event(event)) mix(digest_, event.t_ns);
     }
 
-    wire::Decoder<3, 1> decoder_{};
+    Decoder decoder_{};
     Digest& digest_;
 };
 
@@ -115,6 +123,11 @@ TEST(SameBits, Boards) {
         add("orientation", run<BoardOf<Pose, Turning, 32, Beam::wide>>, hz120, 0);
         add("vector", run<BoardOf<VectorSample<2>, Channels<Vector<2>>, 16, Beam::medium>>, hz120,
             often);
+        add("cubics", run<CubicsOf<BoardOf<Pose, Channels<Position>, 64, Beam::medium>>>, hz120,
+            often);
+        add("cubics_vector",
+            run<CubicsOf<BoardOf<VectorSample<2>, Channels<Vector<2>>, 32, Beam::narrow>>>, hz120,
+            0);
         add("imu", run<BoardOf<Imu<AttitudeMode::imu_mag>, Turning, 32, Beam::narrow>>, hz120,
             often);
     }
