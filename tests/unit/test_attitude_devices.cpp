@@ -8,6 +8,7 @@
 #include "fairlead/math/euler.hpp"
 #include "fairlead/sense/attitude_lag.hpp"
 #include "fairlead/sense/calibrate_temperature.hpp"
+#include "fairlead/sense/clip.hpp"
 #include "host_sim/recording/spec.hpp"
 #include "host_sim/replay/attitude_run.hpp"
 #include "host_sim/replay/attitude_settings.hpp"
@@ -199,7 +200,7 @@ TEST(AttitudeDevices, SustainedMotionIsNotTilt) {
 }
 
 TEST(AttitudeDevices, ASpeedMakesAVehicleLevel) {
-    const Simulated car = simulate(plan("car", 150));
+    const Simulated car = simulate(plan("car", 240, 18));
     Attitude with, without;
     std::vector<Pose> a, b;
     for (std::size_t i = 0; i < car.recording.samples.size(); ++i) {
@@ -209,6 +210,95 @@ TEST(AttitudeDevices, ASpeedMakesAVehicleLevel) {
     }
     EXPECT_LT(scored(car.recording, a).inclination_deg, 2);
     EXPECT_GT(scored(car.recording, b).inclination_deg, 3) << "or the test shows nothing";
+}
+
+TEST(AttitudeDevices, AVelocityThatTurnsWithTheBodyIsNotTilt) {
+    AttitudeParams never;
+    never.cruise_m_s = 1e4f;
+    for (const std::uint64_t seed : {19u, 20u}) {
+        SCOPED_TRACE(seed);
+        const Recording r = simulate(plan("car", 240, seed)).recording;
+        const double with = scored(r, run_attitude(r, AttitudeMode::imu)).inclination_deg;
+        const double without = scored(r, run_attitude(r, AttitudeMode::imu, never)).inclination_deg;
+        EXPECT_LT(with, 5.5);
+        EXPECT_LT(with, 0.8 * without);
+    }
+}
+
+TEST(AttitudeDevices, AVehicleThatSetsOutDoesNotTeachABias) {
+    // it begins to roll, and to pitch slowly, while the board is still quiet
+    for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+        SCOPED_TRACE(seed);
+        const Recording r = simulate(plan("car", 60, seed)).recording;
+        Vec3 rest{};
+        Attitude filter;
+        double worst = 0;
+        for (const Sample& s : r.samples) {
+            const double t = static_cast<double>(s.t_ns) * 1e-9;
+            if (t > 20) break;
+            filter.push(s);
+            if (t < 9.5) rest = filter.bias_rad_s();
+            worst = std::max(worst, static_cast<double>(norm(filter.bias_rad_s() - rest)));
+            if (t < 9.5) worst = 0;
+        }
+        EXPECT_LT(worst, 0.25 * deg);
+    }
+}
+
+TEST(AttitudeDevices, AnEndOfTheRangeThatNobodyToldIsNoticed) {
+    // a runner's phone whose accelerometer ends at 2 g
+    double with = 0, without = 0;
+    AttitudeParams as_read;
+    as_read.accel_beyond = 0;
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        Recording r = simulate(plan("run", 120, seed)).recording;
+        int clipped = 0;
+        for (Sample& s : r.samples)
+            for (float* x : {&s.accel_m_s2.x, &s.accel_m_s2.y, &s.accel_m_s2.z}) {
+                clipped += std::abs(*x) > 19.6f ? 1 : 0;
+                *x = std::clamp(*x, -19.6f, 19.6f);
+            }
+        EXPECT_GT(clipped, 300) << "or the test shows nothing";
+        with += scored(r, run_attitude(r, AttitudeMode::imu)).inclination_deg / 3;
+        without += scored(r, run_attitude(r, AttitudeMode::imu, as_read)).inclination_deg / 3;
+    }
+    EXPECT_LT(with, 2);
+    EXPECT_LT(with, without);
+}
+
+TEST(AttitudeDevices, ALargeBiasIsFoundInMotion) {
+    // no rest: the phone is in use from the first sample on
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        SCOPED_TRACE(seed);
+        SimPlan p = plan("slow", 120, seed);
+        p.bias_deg_s = 2.5;
+        p.cut_s = 15;
+        const Recording r = simulate(p).recording;
+        EXPECT_LT(scored(r, run_attitude(r, AttitudeMode::imu), 10).inclination_deg, 4);
+    }
+}
+
+TEST(UsualRange, IsTheLeastThatHoldsAllReadings) {
+    constexpr float g = 9.80665f;
+    const auto told = [end2 = usual_end2](float reading) mutable {
+        return at_usual_end(end2, reading * reading);
+    };
+    auto small = told;
+    EXPECT_FALSE(small(1.5f * g));
+    EXPECT_TRUE(small(2 * g));
+    EXPECT_TRUE(small(1.93f * g));
+    auto larger = told;
+    EXPECT_TRUE(larger(2 * g));
+    EXPECT_FALSE(larger(3 * g));
+    EXPECT_FALSE(larger(2 * g)) << "it has shown more";
+    EXPECT_TRUE(larger(4 * g));
+    EXPECT_TRUE(larger(16 * g));
+    EXPECT_FALSE(larger(8 * g));
+    EXPECT_FALSE(larger(18 * g));
+    EXPECT_FALSE(larger(16 * g));
+    auto absurd = told;
+    EXPECT_FALSE(absurd(1e18f));
+    EXPECT_FALSE(absurd(16 * g));
 }
 
 TEST(AttitudeDevices, ASpeedThatEndsOrIsNonsenseDoesNoHarm) {

@@ -209,9 +209,9 @@ class BasicAttitude {
         if (count_repeats(s_.alive, gyro, read) && s_.rest.quiet_s <= 0 &&
             s_.alive.held * s_.period_s > static_cast<Real>(params_.held_s))
             Kalman::doubt_inclination(s_);
-        const bool usable_accel =
-            has_accel && !accel_clipped(sample) && !s_.alive.accel_dead && !is_zero(read);
-        const Vector accel = usable_accel ? read : s_.rest.accel;
+        const bool has_force = has_accel && !s_.alive.accel_dead && !is_zero(read);
+        const bool told_clipped = has_force && accel_clipped(sample);
+        const Vector accel = has_force ? read : s_.rest.accel;
         const bool rest = update_rest(s_.rest, params_, gyro, accel, dt) && !blind;
 
         Vector rate = gyro - s_.bias_rad_s;
@@ -228,7 +228,10 @@ class BasicAttitude {
 
         // a reading is a mean over the interval before its time stamp: seen from its middle
         const BasicMat3<Real> axes = matrix_of(middle);
-        add_force(axes, accel, dt, usable_accel);
+        if (has_force && !told_clipped && dot(read, read) < s_.accel_end2)
+            add_force(axes, read, dt);
+        else
+            add_doubtful_force(axes, read, dt, has_force, told_clipped);
         if constexpr (has_field) add_field(axes, sample);
         auto& w = s_.sums;
         w.time += dt;
@@ -239,7 +242,7 @@ class BasicAttitude {
         std::uint32_t flags = s_.flags & (flag::settling | flag::mag_rejected);
         if (rest && s_.still.still) flags |= flag::rest;
         if (s_.doubted) flags |= flag::settling;
-        if (blind || (has_accel && !usable_accel)) flags |= flag::clipped;
+        if (blind || (has_accel && (told_clipped || !has_force))) flags |= flag::clipped;
         s_.flags = static_cast<std::uint16_t>(flags);
         if (s_.phase == AttitudePhase::aligning)
             align();
@@ -253,10 +256,12 @@ class BasicAttitude {
         const auto step_s = static_cast<Real>(params_.step_s);
         if (s_.part == Kalman::idle) {
             if (w.time + s_.period_s / 2 < step_s) return;
-            judge_alive(s_.alive, params_, s_.bias_rad_s, s_.period_s, s_.rest.quiet_s > 0);
-            judge_rest(s_.rest, params_, w.time);
             Kalman::close_window(s_, params_);
             return;
+        }
+        if (s_.part == Kalman::turn_y) {  // not with the dearest sample
+            judge_alive(s_.alive, params_, s_.bias_rad_s, s_.period_s, s_.rest.quiet_s > 0);
+            judge_rest(s_.rest, params_, s_.means.time);
         }
         Kalman::advance(s_, params_);
         if (s_.part == Kalman::idle) judge();
@@ -286,7 +291,11 @@ class BasicAttitude {
         s_.flags = static_cast<std::uint16_t>(flags);
         s_.tilted_s =
             Kalman::force_is_off(s_, params_.force_lost) ? s_.tilted_s + s_.means.time : 0;
-        if (contradicted()) Kalman::lose_orientation(s_);
+        if (contradicted()) {
+            // nothing was lost or wrong: what the wrong inclination taught was wrong, too
+            if (!s_.doubted && !s_.still.rested) Kalman::start(s_, params_);
+            Kalman::lose_orientation(s_);
+        }
         if (tilt_variance() > squared(lost) && s_.blind_s <= 0) {
             s_.phase = AttitudePhase::aligning;
             s_.velocity_m_s = {};
@@ -391,20 +400,43 @@ class BasicAttitude {
                at_range_end(sample.accel_m_s2, params_.accel_full_scale_m_s2);
     }
 
-    void add_force(const BasicMat3<Real>& axes, const Vector& accel, Real dt,
-                   bool usable) noexcept {
-        if (usable) {
-            const Vector force = axes * accel;
-            s_.velocity_m_s[0] += dt * force.x;
-            s_.velocity_m_s[1] += dt * force.y;
-            s_.sums.lift += dt * force.z;
+    void add_force(const BasicMat3<Real>& axes, const Vector& accel, Real dt) noexcept {
+        const Vector force = axes * accel;
+        s_.velocity_m_s[0] += dt * force.x;
+        s_.velocity_m_s[1] += dt * force.y;
+        s_.sums.lift += dt * force.z;
+    }
+
+    /// Not measured, or large: perhaps at the end of the range. The true force of a clipped axis is
+    /// beyond the reading, by accel_beyond of it on average.
+    [[gnu::noinline, gnu::cold]] void add_doubtful_force(const BasicMat3<Real>& axes,
+                                                         const Vector& read, Real dt, bool measured,
+                                                         bool told_clipped) noexcept {
+        const Vector square{read.x * read.x, read.y * read.y, read.z * read.z};
+        const Real largest2 = (std::max)(square.x, (std::max)(square.y, square.z));
+        if (told_clipped || !measured) Kalman::suspend_force(s_, params_);
+        // whatever clips at less than the least range is no accelerometer
+        measured = measured && !(told_clipped && largest2 < static_cast<Real>(usual_end2));
+        if (measured && !told_clipped &&
+            (params_.accel_full_scale_m_s2 > 0 || !at_usual_end(s_.accel_end2, largest2))) {
+            add_force(axes, read, dt);
             return;
         }
-        // not measured: it has wandered within its bound
+        // the velocity has wandered within its bound
         const auto speed = static_cast<Real>(params_.velocity_m_s);
-        s_.sums.lift += dt * static_cast<Real>(gravity_m_s2);
         s_.sums.doubt_velocity2 += 2 * speed * speed * dt / static_cast<Real>(params_.velocity_s);
-        Kalman::suspend_force(s_, params_);
+        if (!measured) {
+            s_.sums.lift += dt * static_cast<Real>(gravity_m_s2);
+            return;
+        }
+        constexpr Real most2 = 1e8f;  // (m/s^2)^2: what no part measures is not made larger
+        constexpr Real near_it = (1 - usual_range_error) * (1 - usual_range_error);
+        const Real beyond = 1 + static_cast<Real>(params_.accel_beyond);
+        const auto whole = [&](Real x, Real x2) {
+            return x2 < near_it * largest2 || x2 > most2 ? x : beyond * x;
+        };
+        add_force(axes, {whole(read.x, square.x), whole(read.y, square.y), whole(read.z, square.z)},
+                  dt);
     }
 
     /// Of the magnetometer. Zero is not a field: a part that does not answer reads so.

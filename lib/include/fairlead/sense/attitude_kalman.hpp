@@ -46,6 +46,8 @@ class KalmanStep {
 
     /// What is not known of the gyro at switch-on.
     static void start(State& s, const Params& params) noexcept {
+        s.bias_rad_s = {};
+        s.gyro_matrix = {};
         auto& p = s.covariance;
         p = {};
         for (std::size_t i = 0; i < 3; ++i) {
@@ -118,7 +120,7 @@ class KalmanStep {
         s.drive.fresh = true;
         doubt_inclination(s);
         s.doubted = false;
-        s.slow_velocity_m_s = s.corrected = {};
+        s.cruise_m_s = s.slow_velocity_m_s = s.corrected = {};
         constexpr float ms = 1000;
         s.unproven_ms = static_cast<std::uint16_t>(ms * params.prove_s);
     }
@@ -132,10 +134,9 @@ class KalmanStep {
         watch_force(s, params);
         take_drive(s, params);
         s.velocity_from_m_s = s.velocity_m_s;
+        stop_cruise(s, params);
         m.middle = s.q_wb * turn_quat(real(-0.5f) * w.turn, dot(w.turn, w.turn) / 4);
         if constexpr (has_field) close_field(s.field);
-        watch_rest(s, params);
-
         auto& p = s.covariance;
         Column with = p.column(State::tilt + 1);
         p.shear(State::velocity, w.lift, with, with[State::tilt + 1]);
@@ -164,18 +165,24 @@ class KalmanStep {
         ++s.part;
         switch (part) {
             case turn_x:
-            case turn_y: turn(s, part - std::size_t{turn_x}); break;
+                watch_rest(s, params);
+                turn(s, 0);
+                break;
+            case turn_y: turn(s, 1); break;
             case turn_z:
                 turn(s, 2);
                 if (!resting(s)) s.part = velocity_x;
                 break;
             case bias_x:
             case bias_y:
-            case bias_z: measure_bias(s, params, part - std::size_t{bias_x}); break;
+            case bias_z:  // a motion that has begun since is no bias
+                if (resting(s)) measure_bias(s, params, part - std::size_t{bias_x});
+                break;
             case velocity_x: measure_velocity(s, params, 0); break;
             case velocity_y: measure_velocity(s, params, 1); break;
             case heading:  // idle without a magnetometer, so that both correct at the same sample
                 if constexpr (has_field) measure_heading(s, params);
+                follow_cruise(s, params);
                 break;
             default:
                 correct(s, params);
@@ -193,6 +200,11 @@ class KalmanStep {
         return static_cast<Real>(x) * static_cast<Real>(x);
     }
     static bool resting(const State& s) noexcept { return (s.flags & flag::rest) != 0; }
+    /// Field and force are seen from more than one side.
+    static bool is_turning(const State& s) noexcept {
+        constexpr float turning = 0.35f;  // rad/s
+        return dot(s.means.rate, s.means.rate) > squared(turning);
+    }
 
     static void forget(Covariance<Real, State::size>& p, std::size_t i, Real variance) noexcept {
         for (std::size_t j = 0; j < State::size; ++j) p(i, j) = 0;
@@ -237,6 +249,11 @@ class KalmanStep {
     /// Corrections of a bias that only wanders are white. Where they keep their sign it drifts.
     static void follow_bias(State& s, const Params& params) noexcept {
         auto& t = s.trend;
+        // a body that keeps its attitude shows an acceleration that lasts as such a drift
+        if (!resting(s) && !is_turning(s)) {
+            t.drift2 = 0;
+            return;
+        }
         const Real* x = s.correction.data() + State::bias;
         const auto memory_s = real(params.bias_trend_s);
         const Real time = s.means.time, share = time / (memory_s + time);
@@ -260,14 +277,55 @@ class KalmanStep {
             return;
         }
         const BasicVec3<Real> v = rotate(s.q_wb, d.velocity_m_s);
-        s.means.driven = {v.x, v.y};
+        s.cruise_m_s = {v.x, v.y};
         s.restless2 = 0;  // the speed is known: no motion is taken for tilt
         if (d.fresh) {
             d.fresh = false;
-            s.velocity_m_s = s.means.driven;
+            s.velocity_m_s = s.cruise_m_s;
             forget(s.covariance, State::velocity, d.variance);
             forget(s.covariance, State::velocity + 1, d.variance);
         }
+    }
+
+    /// It has come to a stop: what its velocity was tells nothing of the tilt.
+    static void stop_cruise(State& s, const Params& params) noexcept {
+        constexpr Real cruising2 = 1;  // (m/s)^2
+        const auto& v = s.cruise_m_s;
+        if (!resting(s) || v[0] * v[0] + v[1] * v[1] < cruising2) return;
+        s.cruise_m_s = s.velocity_m_s = s.velocity_from_m_s = {};
+        for (std::size_t i = 0; i < 2; ++i)
+            forget(s.covariance, State::velocity + i, squared(params.rest_velocity_m_s));
+    }
+
+    /// A vehicle, and a runner, keeps its velocity for long, seen from its own heading: what lasts
+    /// while it turns is expected, and taken neither for tilt nor for bias. Not before the
+    /// inclination is proven, and not while a bias drifts: that looks alike.
+    static void follow_cruise(State& s, const Params& params) noexcept {
+        if (s.drive.known) return;
+        auto& v = s.cruise_m_s;
+        const auto& q = s.means.middle;
+        const auto& r = s.means.rate;
+        // the part of the turn about the vertical
+        Real turned = 2 * ((q.x * q.z - q.w * q.y) * r.x + (q.y * q.z + q.w * q.x) * r.y -
+                           (q.x * q.x + q.y * q.y) * r.z) +
+                      r.z;
+        turned *= s.means.time;
+        if constexpr (has_field) turned += s.correction[State::heading];
+        const Real turned2 = turned * turned;
+        // whatever spins so fast about the vertical does not cruise
+        if (resting(s) || s.unproven_ms > 0 || s.trend.drift2 > 0 || turned2 > 1) {
+            v = {};
+            return;
+        }
+        const Real c = 1 - turned2 / 2, d = turned * (1 - turned2 * real(1.0f / 6));
+        const Real share = s.means.time / (real(params.cruise_s) + s.means.time), kept = 1 - share;
+        // while the mean force contradicts the inclination, so does the velocity
+        const Real believed =
+            force_is_off(s, params.force_tilt)
+                ? 0
+                : share * s.restless2 / (s.restless2 + squared(params.cruise_m_s));
+        v = {kept * (c * v[0] - d * v[1]) + believed * s.velocity_from_m_s[0],
+             kept * (d * v[0] + c * v[1]) + believed * s.velocity_from_m_s[1]};
     }
 
     /// The mean specific force: whatever the motion, it points up in the end. Not while force_s is
@@ -344,14 +402,16 @@ class KalmanStep {
 
     static void measure_velocity(State& s, const Params& params, std::size_t axis) noexcept {
         if (s.drive.known) {
-            measure(s, State::velocity + axis, s.means.driven[axis] - s.velocity_from_m_s[axis],
+            measure(s, State::velocity + axis, s.cruise_m_s[axis] - s.velocity_from_m_s[axis],
                     s.drive.variance);
             return;
         }
         const Real usual2 = notice_motion(s, params, axis);
         const Real noise2 =
             resting(s) ? squared(params.rest_velocity_m_s) * real(params.rest_velocity_s) : usual2;
-        measure(s, State::velocity + axis, -s.velocity_from_m_s[axis], noise2 / s.means.time);
+        const Real expected = resting(s) ? 0 : s.cruise_m_s[axis];
+        measure(s, State::velocity + axis, expected - s.velocity_from_m_s[axis],
+                noise2 / s.means.time);
     }
 
     /// Variance of a velocity of mean 0, times its correlation time, in the motion of late.
@@ -360,10 +420,19 @@ class KalmanStep {
         Real& slow = s.slow_velocity_m_s[axis];
         slow += time / (real(params.restless_s) + time) * (s.velocity_from_m_s[axis] - slow);
         s.restless2 += time / (real(params.restless_memory_s) + time) * (slow * slow - s.restless2);
+        // what shakes like a runner moves like one. Before the first rest the bias is not known,
+        // and such motion would be taken for it: it counts at once, and twice
+        const Real shake =
+            s.still.rested ? 0
+                           : (std::min)(Real{1}, s.rest.accel_noise2 / squared(params.shake_m_s2));
+        const auto& now = s.slow_velocity_m_s;
+        const Real moves2 =
+            (std::max)(s.restless2, shake / 4 * (now[0] * now[0] + now[1] * now[1]));
         const Real usual = squared(params.velocity_m_s) * real(params.velocity_s);
-        const Real seen = real(2 * params.restless_gain * params.restless_s) * s.restless2 *
-                          (1 + real(params.restless_knee) * s.restless2);
-        return (std::clamp)(seen, usual, real(params.restless_max) * usual);
+        const Real seen = real(2 * params.restless_gain * params.restless_s) * moves2 *
+                          (1 + real(params.restless_knee) * moves2);
+        return (std::clamp)((1 + shake) * seen, usual,
+                            (1 + shake) * real(params.restless_max) * usual);
     }
 
     static void measure_heading(State& s, const Params& params) noexcept {
@@ -372,11 +441,10 @@ class KalmanStep {
         if (s.field.mean_count == 0) return;
         const Real time = (std::min)(s.field.since_s, real(params.field_s));
         s.field.since_s = 0;
-        constexpr float turning = 0.35f;  // rad/s: the field is seen from more than one side
         auto& p = s.covariance;
         auto& x = s.correction;
-        const auto look = look_at_field(s.field, params, x[State::tilt], time, resting(s),
-                                        dot(s.means.rate, s.means.rate) > squared(turning));
+        const auto look =
+            look_at_field(s.field, params, x[State::tilt], time, resting(s), is_turning(s));
         p(State::heading, State::heading) += look.doubt;
         // the field's angle east of north is dip * tilt_y - heading
         const Column tilt = p.column(State::tilt + 1);

@@ -12,7 +12,7 @@ struct AttitudeParams {
     static constexpr float deg = 0.01745329252f;
 
     // ---- time
-    float step_s = 0.07f;      // the Kalman step; gyro and accelerometer run at full rate
+    float step_s = 0.077f;     // the Kalman step; gyro and accelerometer run at full rate
     float align_s = 0.5f;      // first levelling
     float gap_periods = 1.5f;  // a longer time step is a gap: the rate in it is taken as linear
     float gap_s_max = 0.4f;    // a longer one loses the orientation: align again
@@ -21,7 +21,7 @@ struct AttitudeParams {
     // ---- gyro errors, standard deviations
     float gyro_noise = 0.01f * deg;      // rad/sqrt(s), white
     float gyro_scale_noise = 0.003f;     // rad/sqrt(rad turned): what no constant matrix explains
-    float bias_rad_s = 0.6f * deg;       // prior: what a start in motion assumes
+    float bias_rad_s = 1.0f * deg;       // prior: what a start in motion assumes
     float bias_max_rad_s = 25.0f * deg;  // limit: a rest may show as much, never believed beyond
     float bias_walk = 0.01f * deg;       // rad/s/sqrt(s)
     float bias_trend_s = 12.0f;          // corrections that keep their sign so long show a drift,
@@ -34,6 +34,7 @@ struct AttitudeParams {
     // ---- ranges, of the readings as they come to the filter; 0: not known, flags speak (clip.hpp)
     float gyro_full_scale_rad_s = 0;
     float accel_full_scale_m_s2 = 0;
+    float accel_beyond = 0.4f;  // of a clipped reading: what it misses on average
 
     // ---- motion: a body's velocity stays bounded, which is what makes gravity visible
     float velocity_m_s = 0.7f;        // standard deviation of the horizontal velocity, 0.1 to 30
@@ -44,13 +45,16 @@ struct AttitudeParams {
 
     // ---- sustained motion (running, flying, riding) shows as a slow innovation of the velocity
     // and raises its variance, so that it is taken neither for tilt nor for bias
-    float restless_s = 1.0f;         // what lasts longer is motion, not noise
-    float restless_memory_s = 8.0f;  // its mean square r is taken over this time
-    float restless_gain = 3.0f;      // variance * time >= 2 gain restless_s r (1 + knee r)
-    float restless_knee = 2.0f;      // 1/(m/s)^2
-    float restless_max = 25.0f;      // at most so many times the usual variance
-    float restless_tilt = 0.03f;     // rad of tilt per m/s beyond 1 m/s: in the report only
-    float drive_s = 0.5f;            // a reading of the speed input serves for so long
+    float restless_s = 1.0f;          // what lasts longer is motion, not noise
+    float restless_memory_s = 12.0f;  // its mean square r is taken over this time
+    float restless_gain = 3.0f;       // variance * time >= 2 gain restless_s r (1 + knee r)
+    float restless_knee = 2.0f;       // 1/(m/s)^2
+    float restless_max = 25.0f;       // at most so many times the usual variance
+    float restless_tilt = 0.03f;      // rad of tilt per m/s beyond 1 m/s: in the report only
+    float shake_m_s2 = 8.0f;          // a runner's: before the first rest such motion teaches less
+    float cruise_s = 10.0f;   // a velocity that turns with the body is known after this time
+    float cruise_m_s = 0.7f;  // if it is so large: a hand's motion does not count
+    float drive_s = 0.5f;     // a reading of the speed input serves for so long
 
     // ---- contradictions
     float force_s = 1.5f;            // the specific force is averaged over this time
@@ -114,7 +118,7 @@ struct AttitudeField {
     float least, greatest;
 };
 
-inline constexpr std::array<AttitudeField, 70> attitude_fields{{
+inline constexpr std::array<AttitudeField, 74> attitude_fields{{
     {"step_s", &AttitudeParams::step_s, 0.02f, 0.5f},
     {"align_s", &AttitudeParams::align_s, 0.1f, 10},
     {"gap_periods", &AttitudeParams::gap_periods, 1, 100},
@@ -133,6 +137,7 @@ inline constexpr std::array<AttitudeField, 70> attitude_fields{{
     {"misalignment", &AttitudeParams::misalignment, 0, 0.2f},
     {"gyro_full_scale_rad_s", &AttitudeParams::gyro_full_scale_rad_s, 0, 1e3f},
     {"accel_full_scale_m_s2", &AttitudeParams::accel_full_scale_m_s2, 0, 1e5f},
+    {"accel_beyond", &AttitudeParams::accel_beyond, 0, 1},
     {"velocity_m_s", &AttitudeParams::velocity_m_s, 0.1f, 30},
     {"velocity_s", &AttitudeParams::velocity_s, 1e-3f, 1e4f},
     {"accel_noise", &AttitudeParams::accel_noise, 1e-4f, 10},
@@ -144,6 +149,9 @@ inline constexpr std::array<AttitudeField, 70> attitude_fields{{
     {"restless_knee", &AttitudeParams::restless_knee, 0, 100},
     {"restless_max", &AttitudeParams::restless_max, 1, 1e4f},
     {"restless_tilt", &AttitudeParams::restless_tilt, 0, 1},
+    {"shake_m_s2", &AttitudeParams::shake_m_s2, 0.1f, 1e4f},
+    {"cruise_s", &AttitudeParams::cruise_s, 0.1f, 1e4f},
+    {"cruise_m_s", &AttitudeParams::cruise_m_s, 0.01f, 1e4f},
     {"drive_s", &AttitudeParams::drive_s, 1e-3f, 1e4f},
     {"force_s", &AttitudeParams::force_s, 1e-3f, 1e4f},
     {"verify_s", &AttitudeParams::verify_s, 1e-3f, 1e4f},

@@ -7,6 +7,7 @@
 #include "fairlead/base/types.hpp"
 #include "fairlead/math/mat3.hpp"
 #include "fairlead/sense/attitude_covariance.hpp"
+#include "fairlead/sense/clip.hpp"
 
 namespace fairlead {
 
@@ -33,9 +34,8 @@ struct WindowSums {
 /// The closed window, while the Kalman step works on it part by part.
 template <class Real>
 struct WindowMeans {
-    BasicQuat<Real> middle{};      // orientation in the middle of the window
-    BasicVec3<Real> rate{};        // mean calibrated rate
-    std::array<Real, 2> driven{};  // what the speed input says of it
+    BasicQuat<Real> middle{};  // orientation in the middle of the window
+    BasicVec3<Real> rate{};    // mean calibrated rate
     Real time{};
 };
 
@@ -113,7 +113,7 @@ struct FieldState<Real, AttitudeMode::imu_mag> {
 
 template <class Real, AttitudeMode mode>
 struct AttitudeState {
-    static constexpr std::uint32_t saved_version = 4;
+    static constexpr std::uint32_t saved_version = 5;
 
     /// Error states: tilt about east and north, velocity, gyro bias, gyro matrix (scale xx, yy, zz,
     /// shear yz, zx, xy); heading comes last, so that it is one more row below the filter that does
@@ -136,6 +136,7 @@ struct AttitudeState {
     RestState<Real> rest{};
     StillState<Real> still{};
     FieldState<Real, mode> field{};
+    std::array<Real, 2> cruise_m_s{};         // expected velocity: driven, or turning with the body
     std::array<Real, 2> slow_velocity_m_s{};  // low-passed innovation of the velocity
     Real restless2{};                         // its mean square
     BiasTrend<Real> trend{};
@@ -150,8 +151,9 @@ struct AttitudeState {
     AliveState<Real> alive{};
     DriveState<Real> drive{};
     AttitudePhase phase{};
-    std::uint8_t part{};    // 0: the Kalman step is idle
-    std::uint16_t flags{};  // of the last pose
+    std::uint8_t part{};                             // 0: the Kalman step is idle
+    std::uint16_t flags{};                           // of the last pose
+    Real accel_end2{static_cast<Real>(usual_end2)};  // end of the accelerometer's range (clip.hpp)
 };
 
 }  // namespace fairlead

@@ -25,6 +25,8 @@ struct KnownBias {
 
 namespace detail {
 
+inline constexpr float still_settle_s = 0.5f;  // from the anchor on, until means have settled
+
 template <class Real>
 constexpr BasicVec3<Real> squares(const BasicVec3<Real>& v) noexcept {
     return {v.x * v.x, v.y * v.y, v.z * v.z};
@@ -50,19 +52,23 @@ inline bool bias_is_believable(StillState<Real>& s, const AttitudeParams& p,
     const Real variance_sum = known.variance.x + known.variance.y + known.variance.z;
     const Real floor2 = squared(p.rest_gate_rad_s), gate2 = squared(p.rest_gate);
 
+    // what has been so since the anchor proves nothing of a turn that begins now
+    const Real proving_s = (std::max)(s.held_s - static_cast<Real>(still_settle_s), Real{1e-3f});
+    const BasicVec3<Real> newly = gyro - s.bias - (1 / proving_s) * s.turned;
+    const bool steady = dot(newly, newly) <= floor2;
     // would a turn have shown? half as much again as counts as moved
     constexpr Real seen2 = static_cast<Real>(2.25);
     const Real turned_up = dot(s.turned_now, up);
     const Real turned_flat2 =
         (std::max)(dot(s.turned_now, s.turned_now) - turned_up * turned_up, Real{0});
-    const bool flat_seen = turned_flat2 >= seen2 * squared(p.rest_tilt);
+    const bool flat_seen = steady && turned_flat2 >= seen2 * squared(p.rest_tilt);
     const bool flat_ok =
         flat_seen ||
         horizontal2 <= gate2 * (std::max)(variance_sum - variance_up, Real{0}) + floor2;
     const Real along = dot(s.field, up);
     const Real across2 = (std::max)(dot(s.field, s.field) - along * along, Real{0});
-    const bool up_seen =
-        s.has_field && turned_up * turned_up * across2 >= seen2 * squared(p.rest_field_uT);
+    const bool up_seen = steady && s.has_field &&
+                         turned_up * turned_up * across2 >= seen2 * squared(p.rest_field_uT);
     const bool agrees = vertical2 <= gate2 * variance_up + floor2;
     bool up_ok = up_seen || agrees;
     // confirmed: by the field, or by a rest that agrees with what was known before it
@@ -86,7 +92,7 @@ template <class Real>
 inline bool judge_still(StillState<Real>& s, const AttitudeParams& p, const RestState<Real>& rest,
                         const KnownBias<Real>& known, const BasicVec3<Real>* field,
                         Real time) noexcept {
-    constexpr Real settle_s = static_cast<Real>(0.5), renew_s = 20, doubt_s = 15;
+    constexpr Real settle_s = detail::still_settle_s, renew_s = 20, doubt_s = 15;
     const auto squared = [](float x) { return static_cast<Real>(x * x); };
     if (rest.quiet_s < static_cast<Real>(p.rest_s)) {
         const bool rested = s.rested;
@@ -107,7 +113,7 @@ inline bool judge_still(StillState<Real>& s, const AttitudeParams& p, const Rest
         s.variance = (std::max)(known.variance.x, (std::max)(known.variance.y, known.variance.z));
     }
     const bool settled = s.held_s >= settle_s;
-    s.held_s += time;
+    s.held_s = settled ? s.held_s + time : (std::min)(s.held_s + time, settle_s);
     const Real share = (std::min)(time / settle_s, Real{1});
     if (settled) s.turned += time * (rest.gyro - s.bias);
     s.turned_now += share * (s.turned - s.turned_now);
