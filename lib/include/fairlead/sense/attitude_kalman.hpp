@@ -250,7 +250,7 @@ class KalmanStep {
     static void follow_bias(State& s, const Params& params) noexcept {
         auto& t = s.trend;
         // a body that keeps its attitude shows an acceleration that lasts as such a drift
-        if (!resting(s) && !is_turning(s)) {
+        if (!resting(s) && !is_turning(s) && s.restless2 > squared(params.cruise_m_s)) {
             t.drift2 = 0;
             return;
         }

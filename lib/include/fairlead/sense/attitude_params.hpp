@@ -12,7 +12,7 @@ struct AttitudeParams {
     static constexpr float deg = 0.01745329252f;
 
     // ---- time
-    float step_s = 0.077f;     // the Kalman step; gyro and accelerometer run at full rate
+    float step_s = 0.08f;      // the Kalman step; gyro and accelerometer run at full rate
     float align_s = 0.5f;      // first levelling
     float gap_periods = 1.5f;  // a longer time step is a gap: the rate in it is taken as linear
     float gap_s_max = 0.4f;    // a longer one loses the orientation: align again
@@ -21,7 +21,7 @@ struct AttitudeParams {
     // ---- gyro errors, standard deviations
     float gyro_noise = 0.01f * deg;      // rad/sqrt(s), white
     float gyro_scale_noise = 0.003f;     // rad/sqrt(rad turned): what no constant matrix explains
-    float bias_rad_s = 1.0f * deg;       // prior: what a start in motion assumes
+    float bias_rad_s = 0.95f * deg;      // prior: what a start in motion assumes
     float bias_max_rad_s = 25.0f * deg;  // limit: a rest may show as much, never believed beyond
     float bias_walk = 0.01f * deg;       // rad/s/sqrt(s)
     float bias_trend_s = 12.0f;          // corrections that keep their sign so long show a drift,

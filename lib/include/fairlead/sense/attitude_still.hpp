@@ -32,6 +32,15 @@ constexpr BasicVec3<Real> squares(const BasicVec3<Real>& v) noexcept {
     return {v.x * v.x, v.y * v.y, v.z * v.z};
 }
 
+/// Is this mean rate the one since the anchor?
+template <class Real>
+inline bool is_steady(const StillState<Real>& s, const AttitudeParams& p,
+                      const BasicVec3<Real>& gyro) noexcept {
+    const Real since_s = (std::max)(s.held_s - static_cast<Real>(still_settle_s), Real{1e-3f});
+    const BasicVec3<Real> newly = gyro - s.bias - (1 / since_s) * s.turned;
+    return dot(newly, newly) <= static_cast<Real>(p.rest_gate_rad_s * p.rest_gate_rad_s);
+}
+
 /// May this mean rate be a bias?
 template <class Real>
 inline bool bias_is_believable(StillState<Real>& s, const AttitudeParams& p,
@@ -53,9 +62,7 @@ inline bool bias_is_believable(StillState<Real>& s, const AttitudeParams& p,
     const Real floor2 = squared(p.rest_gate_rad_s), gate2 = squared(p.rest_gate);
 
     // what has been so since the anchor proves nothing of a turn that begins now
-    const Real proving_s = (std::max)(s.held_s - static_cast<Real>(still_settle_s), Real{1e-3f});
-    const BasicVec3<Real> newly = gyro - s.bias - (1 / proving_s) * s.turned;
-    const bool steady = dot(newly, newly) <= floor2;
+    const bool steady = is_steady(s, p, gyro);
     // would a turn have shown? half as much again as counts as moved
     constexpr Real seen2 = static_cast<Real>(2.25);
     const Real turned_up = dot(s.turned_now, up);
@@ -136,7 +143,12 @@ inline bool judge_still(StillState<Real>& s, const AttitudeParams& p, const Rest
                    m2 = 1 / squared(p.rest_field_uT);
         const Real moved2 = a2 * dot(swung, swung) + m2 * dot(drawn, drawn);
         const Real left2 = a2 * dot(left_a, left_a) + m2 * dot(left_m, left_m);
-        const bool undo = s.still && 2 * left2 < moved2;
+        // and where nothing was known before: a steady rate under which the field turned has shown
+        // nothing. One that begins now came after a rest.
+        const bool unknown = s.variance > squared(p.rest_gate_rad_s);
+        const bool turned_all_along = s.has_field && dot(drawn, drawn) > squared(p.rest_field_uT) &&
+                                      detail::is_steady(s, p, rest.gyro);
+        const bool undo = s.still && ((unknown && turned_all_along) || 2 * left2 < moved2);
         s.still = false;
         return undo;
     }
