@@ -13,7 +13,7 @@ struct AttitudeParams {
 
     // ---- time
     float step_s = 0.08f;      // the Kalman step; gyro and accelerometer run at full rate
-    float align_s = 0.5f;      // first levelling
+    float align_s = 0.7f;      // first levelling
     float gap_periods = 1.5f;  // a longer time step is a gap: the rate in it is taken as linear
     float gap_s_max = 0.4f;    // a longer one loses the orientation: align again
     float rate_walk = 0.5f;    // rad/s/sqrt(s): how the rate may wander within a gap
@@ -27,14 +27,14 @@ struct AttitudeParams {
     float bias_trend_s = 12.0f;          // corrections that keep their sign so long show a drift,
     float bias_trend_sigma = 2.0f;       // where they exceed so many sigmas of white ones,
     float bias_trend_max = 0.06f * deg;  // and raise bias_walk up to this
-    float clock_error = 0.01f;           // common to the three axes: the sensor's oscillator
+    float clock_error = 0.008f;          // common to the three axes: the sensor's oscillator
     float scale_error = 0.008f;          // per axis
     float misalignment = 0.002f;         // rad
 
     // ---- ranges, of the readings as they come to the filter; 0: not known, flags speak (clip.hpp)
     float gyro_full_scale_rad_s = 0;
     float accel_full_scale_m_s2 = 0;
-    float accel_beyond = 0.4f;  // of a clipped reading: what it misses on average
+    float accel_beyond = 0.2f;  // of a clipped reading: what it misses on average
 
     // ---- motion: a body's velocity stays bounded, which is what makes gravity visible
     float velocity_m_s = 0.7f;        // standard deviation of the horizontal velocity, 0.1 to 30
@@ -95,7 +95,7 @@ struct AttitudeParams {
     float field_disturbed_uT = 5.0f;  // farther from the reference: flag::mag_rejected
     float field_next_s = 1.0f;        // a second reference follows the field so fast
     float field_young_s = 10.0f;      // a younger reference is contradicted, not disturbed:
-    float field_young_doubt_s = 40.0f;  // the heading taken with it loses so much more trust
+    float field_young_doubt_s = 30.0f;  // the heading taken with it loses so much more trust
     float field_change_s = 20.0f;       // a new field, steady for so long in motion, is believed
     float field_offset = 1.0f * deg;    // error of magnetic north itself: reported, never corrected
 
