@@ -110,7 +110,7 @@ def loose(build, subjects, cores):
     for core in cores:
         for s in subjects:
             push = load(build, core, s)["push"]
-            tight = budgets.read()["bound_percent"][1] / 100 if budgets.of_the_stream(s) else TIGHT
+            tight = budgets.tight(s) or TIGHT
             if push["bound"] > tight * push["max"]:
                 yield "%s on %s: the bound, %d, is %.2f times the worst found, %d" % (
                     s, TITLES[core], push["bound"], push["bound"] / push["max"], push["max"])

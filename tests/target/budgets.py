@@ -27,6 +27,17 @@ def of_the_stream(stage):
     return stage.startswith(("encode_", "pipeline_"))
 
 
+def of_the_attitude(stage):
+    return stage.startswith("attitude")
+
+
+def tight(stage):
+    """How many times the worst found a bound may be, where that is a budget; else None."""
+    if of_the_stream(stage):
+        return read()["bound_percent"][1] / 100
+    return read()["attitude_percent"][1] / 100 if of_the_attitude(stage) else None
+
+
 def figures(build):
     """{name: the figure now}."""
     def stage(name):
@@ -35,13 +46,16 @@ def figures(build):
     def flash(name):
         return elf.sizes("%s/small/%s.elf" % (build, name), PREFIX)[0]
     both = stage("encode_medium_120")
-    pushes = [stage(line.split()[0])["push"] for line in open("tests/target/stages") if of_the_stream(line)]
+    def percent(chosen, core):
+        pushes = [json.load(open("%s/%s/%s.result" % (build, core, line.split()[0])))["push"]
+                  for line in open("tests/target/stages") if chosen(line)]
+        return max(-(-100 * p["bound"] // p["max"]) for p in pushes)
     return {"push_mean": int(both["push"]["mean"] + 0.5), "push_dearest": both["push"]["max"], "ram_both_120": both["ram"],
             "ram_orientation_120": stage("encode_orientation_120")["ram"],
             "ram_orientation_32": stage("encode_orientation_32")["ram"], "ram_decoder": stage("decode")["ram"],
             "flash_firmware": elf.sizes(build + "/firmware/firmware.elf", PREFIX)[0],
             "flash_decoder": flash("decode") - flash("none"),
-            "bound_percent": max(-(-100 * p["bound"] // p["max"]) for p in pushes)}
+            "bound_percent": percent(of_the_stream, "m4f"), "attitude_percent": percent(of_the_attitude, "m4f")}
 
 
 def parts(build):
