@@ -272,7 +272,7 @@ bench-smooth: $(BUILD)/bench-smooth ## [compile bench] time strain smoothing bes
 bench-peers: $(BUILD)/bench-peers sim ## [peers] control points and bytes beside the rivals; rewrites the table in docs/peers.md
 	$< --page docs/peers.md --control-points $(STUDY)/bench_peers/control_points.csv --sweep $(STUDY)/bench_peers/sweep.csv
 CUBICS_TABLES ?= bytes motion  # and knots
-bench-cubics: $(BUILD)/bench-cubics sim ## [demo] C2 cubics beside their rivals, from their bytes: rewrites the tables of docs/cubics.md (minutes)
+bench-cubics: $(BUILD)/bench-cubics sim ## [] C2 cubics beside their rivals, from their bytes: rewrites the tables of docs/cubics.md (minutes)
 	$< $(CUBICS_TABLES) --recordings $(RECORDINGS)/tracker120 --folder $(BUILD)/peers --program $(BUILD)/fairlead-sim \
 	  --page docs/cubics.md --plot docs/img/cubics.svg
 choosing: sim ## [script demo] what each choice costs: rewrites the tables and plots of docs/choosing.md (a minute)
