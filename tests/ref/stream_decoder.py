@@ -580,7 +580,7 @@ class Decoder:
         """In step: one frame. Returns whether it was believed."""
         if frame[0] >= 0xf8:
             return self.long_frame(frame)
-        if self.header is None or not check_fits(frame, self.link):
+        if self.header is None or self.link is None or not check_fits(frame, self.link):
             return False
         self.data_frame(frame, "in step")
         return True
