@@ -598,7 +598,7 @@ class StreamDecoder {
         return -1;
     }
     linkBehind(frame, end, restart, before) {
-        return {digest: this.header.digest, end, previous: crc32(frame, restart ? 0 : before.previous),
+        return {digest: this.header.digest, end, previous: crc32(frame, restart ? this.header.digest : before.previous),
                 since: restart ? 0 : before.since + 1};
     }
     follows(data, at, frame, link, count, first = false) {

@@ -110,7 +110,7 @@ Octets spoiled(const Stream& stream, fuzz::Input& in) {
         for (std::size_t i = 0; i + 2 < frame.size; ++i) check = crc16(first[i], check);
         first[frame.size - 2] = static_cast<std::uint8_t>(check >> 8);
         first[frame.size - 1] = static_cast<std::uint8_t>(check & 0xFF);
-        link.previous = wire::digest_of(first, frame.size, frame.restart, link);
+        link.previous = wire::digest_of(first, frame.size, frame.restart, header.digest, link);
         link.end = frame.end;
     }
     return bytes;

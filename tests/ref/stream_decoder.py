@@ -625,7 +625,7 @@ class Decoder:
 
     def next_link(self, frame, end, restart, before):
         since = 0 if restart else before[3] + 1
-        return (self.header.digest, end, zlib.crc32(frame, 0 if restart else before[2]), since)
+        return (self.header.digest, end, zlib.crc32(frame, self.header.digest if restart else before[2]), since)
 
     def follows(self, data, at, frame, link, count=1, first=False):
         """Do the checks of `count` frames behind this one fit? first: it follows a restart frame."""

@@ -57,7 +57,7 @@ class FrameWriter {
         bytes_[0] = static_cast<std::uint8_t>(size);
         append_crc16(bytes_.data(), 1 + size, seed(header_, link_));
         const std::size_t all = 1 + size + check_size;
-        link_ = {head_.end, digest_of(bytes_.data(), all, head_.restart, link_),
+        link_ = {head_.end, digest_of(bytes_.data(), all, head_.restart, header_, link_),
                  since_behind(link_.since, head_.restart)};
         return all;
     }

@@ -212,9 +212,8 @@ class Receiver {
         code::RangeDecoder io{frame.payload(), frame.payload_size()};
         return code_head(io, head, timing_, frame.before, frame.since, joining);
     }
-    static Link link_behind(const Frame& frame, const FrameHead& head,
-                            const Link& before) noexcept {
-        return {head.end, digest_of(frame.data, frame.size, head.restart, before),
+    Link link_behind(const Frame& frame, const FrameHead& head, const Link& before) const noexcept {
+        return {head.end, digest_of(frame.data, frame.size, head.restart, header_, before),
                 since_behind(before.since, head.restart)};
     }
     /// Sub-ticks after which a time has the same low bits again.
