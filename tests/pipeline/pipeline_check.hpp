@@ -104,7 +104,8 @@ class PipelineCheck {
     }();
     static constexpr bool has_first = vector || Channels::template has<Position>;
     static constexpr bool has_turn = !vector && Channels::template has<Orientation>;
-    using Decoder = wire::Decoder<has_first ? dimension : 0, has_turn ? 1 : 0>;
+    using Kinds = wire::KindSet<curve::Smooth, typename detail::KindOf<Board>::Type>;
+    using Decoder = wire::Decoder<has_first ? dimension : 0, has_turn ? 1 : 0, Kinds>;
 
     struct Sent {
         std::int64_t t_ns;
@@ -122,7 +123,7 @@ class PipelineCheck {
         std::uint32_t run;
         std::int64_t start_ns, end_ns;
         double tick_ns;
-        wire::CurvePiece piece;
+        typename Decoder::Piece piece;
     };
 
     void complain(const char* what, std::uint64_t& count, std::uint64_t push, std::int64_t t_ns) {
@@ -176,7 +177,7 @@ class PipelineCheck {
     void drain() {
         drain_events();
         const curve::Grid grid = decoder_->grid();
-        wire::CurvePiece p;
+        typename Decoder::Piece p;
         while (decoder_->next(p)) {
             verdict_.breaks += p.jumps && p.start != p.end;
             if (p.start == p.end && !p.begins) continue;  // only tells that a curve has ended

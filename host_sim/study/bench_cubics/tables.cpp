@@ -179,7 +179,8 @@ bool write_tables(const Costs& costs, const std::string& file) {
         out << "    },\n";
     };
     out << "#pragma once\n"
-           "// Generated (make cubic-tables). Costs of symbols in 1/16 bit; code/cubic_model.hpp\n"
+           "// Generated (build/bench-cubics --tables). Costs of symbols in 1/16 bit; "
+           "code/cubic_model.hpp\n"
            "// says what the rows are. Trained on the positions of the 13 recordings of "
            "tracker120\n"
            "// (BROAD): delay 120 records, 1 and 5 mm.\n"

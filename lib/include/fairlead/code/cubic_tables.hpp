@@ -1,5 +1,5 @@
 #pragma once
-// Generated (make bench-cubics). Costs of symbols in 1/16 bit; code/cubic_model.hpp
+// Generated (build/bench-cubics --tables). Costs of symbols in 1/16 bit; code/cubic_model.hpp
 // says what the rows are. Trained on the positions of the 13 recordings of tracker120
 // (BROAD): delay 120 records, 1 and 5 mm.
 #include "fairlead/code/cubic_model.hpp"

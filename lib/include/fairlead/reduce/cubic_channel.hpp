@@ -48,7 +48,7 @@ class CubicChannel {
     static constexpr std::int32_t lag = 12;
     static constexpr std::size_t columns_a_push = 2, columns_behind = 3;
     static constexpr Cost column_bits_max = D * jump_bits_max(1);
-    static constexpr Cost start_bits_max = 5 + 27 * D + 77;
+    static constexpr Cost start_bits_max = 9 + 27 * D + 79;
     /// About what the next column may add.
     Cost next_column_bits(std::size_t) const noexcept {
         return static_cast<Cost>(D) * 40 + (starts_ ? start_bits_max : 0);

@@ -136,12 +136,11 @@ class CubicSearch {
                                   {{aim}, c.jump ? since : c.ticks, way});
             fresh[count++] = n;
         }
-        if (count == 0) return;  // never: a jump is offered where nothing else is
+        if (count == 0) return;  // all were refused: the frame's check gives it up
         best_ = fresh[0];
         for (std::size_t i = 0; i < count && !end; ++i) open(fresh[i], i == 0);
     }
 
-    std::size_t count() const noexcept { return child_count_; }
     /// Bits of the best path so far.
     float bits() const noexcept { return best_.bits; }
     const State& state() const noexcept { return best_.state; }

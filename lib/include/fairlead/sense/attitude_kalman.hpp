@@ -1,5 +1,5 @@
 #pragma once
-// The error-state Kalman step, about 14 times a second, cut into parts so that every sample pays
+// The error-state Kalman step, about 12 times a second, cut into parts so that every sample pays
 // about the same.
 //
 // States: attitude error in the world frame (true = exp(error) estimate), horizontal velocity, gyro

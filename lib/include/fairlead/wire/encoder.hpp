@@ -197,7 +197,8 @@ class Encoder {
     const auto& reducer() const noexcept { return reducer_; }
     std::uint32_t frames() const noexcept { return frames_; }
     std::uint32_t restarts() const noexcept { return restarts_; }
-    /// Frames that did not fit into their bytes: never, by the bound of their cost.
+    /// Frames that did not fit into their bytes, and were given up. Of quadratics: never, by the
+    /// bound of their cost. The cost of cubics is an estimate: a few in 1000 on rough streams.
     std::uint32_t overflows() const noexcept { return overflows_; }
     /// Samples that a committed curve did not hold within its tolerance; its frame was given up.
     /// By rounding that the search leaves too little room for: in about 3 of 10^6 random streams.
@@ -245,21 +246,27 @@ class Encoder {
     /// tick then, `most` of them. From the stretch's start a step of a track leads to the first cut
     /// between two of them: a value, and as many parts without one as 250 ticks need; then one part
     /// for each sample and one to the end, within the tick. A code stands where a part begins on a
-    /// whole tick; behind the first it is that of a jump behind a jump.
+    /// whole tick; behind the first it is that of a jump behind a jump. The first of a cubic is its
+    /// way and the bits of a break.
+    template <class Kind>
     static constexpr std::size_t exact_bits(std::size_t components, std::size_t value_bits,
                                             std::size_t jump_cost) noexcept {
         constexpr std::size_t most = 64 / curve::spacing_subs_min + 1;
         constexpr std::size_t long_parts = 250 / (curve::gap_ticks_max + 1) + 1;
         constexpr std::size_t duration = code::other_duration_cost / 16 + 1;
-        const std::size_t codes = code::cost_max / 16 + (long_parts * jump_cost + 15) / 16;
+        constexpr std::size_t first =
+            code::cost_max / 16 + (Kind::cubic ? code::break_jump_bits : 0);
+        const std::size_t codes = first + (long_parts * jump_cost + 15) / 16;
         return (most + 1) * components * (5 + value_bits) + long_parts * components * 5 +
                (most + 1 + long_parts) * duration + codes;
     }
     // values differ by less than 2^26 steps, places in a chart by less than 2^17
     static constexpr std::size_t exact_stretch_bits =
         (0 + ... +
-         (Channels::axes * exact_bits(1, 26, reduce::jump_cost<typename Channels::Kind, 1>) +
-          Channels::rotations * exact_bits(3, 17, reduce::jump_cost<typename Channels::Kind, 3>)));
+         (Channels::axes * exact_bits<typename Channels::Kind>(
+                               1, 26, reduce::jump_cost<typename Channels::Kind, 1>) +
+          Channels::rotations * exact_bits<typename Channels::Kind>(
+                                    3, 17, reduce::jump_cost<typename Channels::Kind, 3>)));
     // such a frame tells no ends of vectors; where curves start, none tells its state before
     static constexpr std::size_t exact_overhead_bits =
         (std::max)(overhead_bits(true), 87 + 30 * channel_count + start_bits);
