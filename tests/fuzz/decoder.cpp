@@ -99,7 +99,8 @@ void framed(fuzz::Input& in) {
         code::RangeDecoder io{bytes + 1, size};
         wire::FrameHead head;
         if (!wire::code_head(io, head, header.shape.timing, link.end, link.since)) continue;
-        const std::uint32_t digest = wire::digest_of(bytes, size + 3, head.restart, header.digest, link);
+        const std::uint32_t digest =
+            wire::digest_of(bytes, size + 3, head.restart, header.digest, link);
         if (push(size + 3)) link = {head.end, digest, wire::since_behind(link.since, head.restart)};
         if (!decoder.in_step()) break;
     }
