@@ -159,12 +159,12 @@ inline void check_search(const ReplayOptions& options) {
             throw BadSpec(
                 "--continuity 2 with --objective bytes concerns positions: an orientation has a "
                 "continuous velocity; --objective knots gives it a continuous acceleration");
-        if (!(options.restart_s > 0))
+        if (!(options.restart_s >= 1e-9))  // the stream counts in ns
             throw BadSpec(
                 "--continuity 2 needs restarts: a frame of such a curve needs the one before it, "
                 "so --independent and --restart 0 are not for it");
     }
-    if (options.objective == Objective::knots && !(options.restart_s > 0))
+    if (options.objective == Objective::knots && !(options.restart_s >= 1e-9))
         throw BadSpec("--independent and --restart 0 need --objective bytes");
 }
 

@@ -125,11 +125,14 @@ $(BUILD)/count.so: tests/target/count.c
 
 -include $(wildcard $(BUILD)/*/*.d)
 
-$(BUILD)/errors: tests/target/errors/errors.cpp tests/target/stream.cpp
-	$(call step,$@) g++ $(COMMON) -O1 -isystem /usr/include/eigen3 -MMD -MP -MF $@.d $(filter %.cpp,$^) -o $@
+ERRORS := $(addprefix $(BUILD)/host/,errors/errors.o stream.o)
+$(ERRORS): $(BUILD)/host/%.o: tests/target/%.cpp
+	$(call step,$@) g++ $(COMMON) -O1 -isystem /usr/include/eigen3 -MMD -MP -c $< -o $@
+$(BUILD)/errors: $(ERRORS)
+	$(call step,$@) g++ $^ -o $@
 $(BUILD)/errors.tsv: $(BUILD)/errors tests/target/streams/adverse
 	@$< >$@
--include $(BUILD)/errors.d
+-include $(ERRORS:.o=.d)
 
 EMULATED = $(foreach core,$(CORES),$(if $(filter-out -,$(shell awk '$$1 == "$(core)" {print $$3}' port/cortex_m/cores)),$(core)))
 .PHONY: images measure calibrate same-bits bounds trap
