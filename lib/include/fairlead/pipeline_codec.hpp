@@ -132,7 +132,7 @@ class StreamEncoderOf<Board, Channels<Channel...>> {
     }
     static constexpr float range(float tolerance) noexcept {
         const curve::Scale scale = curve::Scale::of_step(1.2f * tolerance);
-        return static_cast<float>(curve::value_steps_max * scale.step() * 0.999);
+        return static_cast<float>(curve::value_steps_max) * scale.step<float>() * 0.999f;
     }
     static constexpr typename Inner::Params params(const Stream& stream, std::int64_t period_ns,
                                                    std::uint32_t delay_records) noexcept {

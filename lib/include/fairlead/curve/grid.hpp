@@ -50,8 +50,7 @@ struct Grid {
     constexpr Moment moment(std::int64_t t_ns, std::int64_t start) const noexcept {
         const std::int64_t after = t_ns - time_ns(start);
         const std::int64_t tick = after / tick_ns();
-        const auto rest = static_cast<float>(after - tick * tick_ns());
-        const float part = rest / static_cast<float>(tick_ns());
+        const float part = rounded(after - tick * tick_ns()) / rounded(tick_ns());
         return {static_cast<std::int32_t>(tick), part < 1.0f ? part : 0x1.fffffep-1f};
     }
     /// The newest tick that a sample at t_ns lets the search place a vertex on: the last one before
@@ -60,6 +59,15 @@ struct Grid {
     constexpr std::int32_t column(std::int64_t t_ns, std::int64_t start) const noexcept {
         const std::int64_t after = t_ns - time_ns(start) + 8 * std::int64_t{sub_ns} - 1;
         return static_cast<std::int32_t>(after / tick_ns());
+    }
+
+  private:
+    /// The nearest float to n, 0 <= n < 2^40: each half is exact, so that their sum is rounded
+    /// once.
+    static constexpr float rounded(std::int64_t n) noexcept {
+        const auto high = static_cast<std::int32_t>(n >> 16),
+                   low = static_cast<std::int32_t>(n & 0xffff);
+        return static_cast<float>(high) * 65536.0f + static_cast<float>(low);
     }
 };
 

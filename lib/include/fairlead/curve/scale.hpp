@@ -27,10 +27,9 @@ struct Scale {
         if (!(step >= 1e-27f)) step = 1e-27f;
         if (step > 1e20f) step = 1e20f;
         std::int16_t e = 0;
-        double x = static_cast<double>(step);
-        for (int i = 0; i < 160 && x >= 512.0; ++i) x /= 2, ++e;
-        for (int i = 0; i < 160 && x < 256.0; ++i) x *= 2, --e;
-        return {static_cast<std::uint16_t>(x), e};
+        for (int i = 0; i < 160 && step >= 512.0f; ++i) step *= 0.5f, ++e;
+        for (int i = 0; i < 160 && step < 256.0f; ++i) step *= 2.0f, --e;
+        return {static_cast<std::uint16_t>(step), e};
     }
     static constexpr bool valid(unsigned m, int e) noexcept {
         return m >= 256 && m <= 511 && e >= -100 && e <= 60;

@@ -59,8 +59,8 @@ class CubicChannel {
         for (std::size_t a = 0; a < D; ++a) {
             Lattice& l = lattice_[a];
             l.scale = curve::Scale::of_step(cubic_step * tolerance[a]);
-            const double steps = static_cast<double>(tolerance[a]) / l.scale.step();
-            l.full_radius = static_cast<float>(steps * curve::fine);
+            const float steps = tolerance[a] / l.scale.template step<float>();
+            l.full_radius = steps * static_cast<float>(curve::fine);
             l.radius = l.full_radius * (1.0f - 0x1p-18f) * BeamT::trust - 1.0f;
         }
     }

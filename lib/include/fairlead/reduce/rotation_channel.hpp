@@ -55,7 +55,7 @@ class RotationChannel {
     void configure(const PerAxis<1>& tolerance) noexcept {
         const float tolerance_rad = tolerance[0];
         scale_ = curve::Scale::of_step(0.9f * tolerance_rad);
-        step_ = static_cast<float>(scale_.step());
+        step_ = scale_.template step<float>();
         full_radius_ = tolerance_rad / step_;
         // float places and anchors are off by less than 2 urad, the polynomials by 2^-20 of it
         check_radius_ = full_radius_ - 1.5e-6f / step_;

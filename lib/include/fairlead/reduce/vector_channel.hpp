@@ -58,8 +58,8 @@ class VectorChannel {
         for (std::size_t a = 0; a < D; ++a) {
             Lattice& l = lattice_[a];
             l.scale = curve::Scale::of_step(1.2f * tolerance[a]);
-            const double steps = static_cast<double>(tolerance[a]) / l.scale.step();
-            l.full_radius = static_cast<float>(steps * curve::fine);
+            const float steps = tolerance[a] / l.scale.template step<float>();
+            l.full_radius = steps * static_cast<float>(curve::fine);
             // samples are rounded to 1/2, and floats
             l.radius = l.full_radius * (1.0f - 0x1p-20f) - 1.0f;
         }

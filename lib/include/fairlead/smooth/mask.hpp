@@ -30,9 +30,8 @@ class Mask {
 
     /// The mask that changes nothing.
     constexpr Mask() noexcept {
-        std::array<double, Taps> a{};
-        a[Centre] = 1;
-        table_.fill(a.data(), Taps, Centre);
+        table_.taps[Centre] = Real{1};
+        for (std::size_t i = 0; i < Centre; ++i) table_.steps[i] = -Real{0};  // as fill() does
     }
     /// Taps that do not sum to one are a mistake in the program: they do not compile in a constant
     /// expression and stop the program elsewhere. Taps from outside go through checked().
