@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/fuzz/input.hpp"
+#include "tests/unit/header_frame.hpp"
 
 namespace {
 

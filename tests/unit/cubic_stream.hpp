@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fairlead/wire/frame_writer.hpp"
+#include "tests/unit/header_frame.hpp"
 
 namespace fairlead::test {
 

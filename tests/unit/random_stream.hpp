@@ -8,6 +8,7 @@
 
 #include "fairlead/wire/decoder.hpp"
 #include "fairlead/wire/frame_writer.hpp"
+#include "tests/unit/header_frame.hpp"
 
 namespace fairlead::test {
 

@@ -111,7 +111,7 @@ TEST(ExactFrames, AFrameThatDoesNotFitLeavesInStretches) {
             auto& reducer = reducer_of(*check);
             if (reducer.waiting() != 90) continue;
             ++begun_anew;
-            const curve::RotationState end = reducer.channel<1>().segment().end;
+            const curve::RotationState end = reducer.channel<1>().frame_state();
             reducer.resume<1>(&end);
         }
         check->finish();
@@ -136,7 +136,7 @@ TEST(ExactFrames, AFrameThatDoesNotFitLeavesInStretchesAtTheEndToo) {
             if (left > 0) --left;
             auto& reducer = reducer_of(*check);
             if (left >= 0 || i < 200 || reducer.waiting() != 90) continue;
-            const curve::RotationState end = reducer.channel<1>().segment().end;
+            const curve::RotationState end = reducer.channel<1>().frame_state();
             reducer.resume<1>(&end);
             left = more;
         }
@@ -161,7 +161,7 @@ TEST(ExactFrames, AFrameThatBeginsWhereTheDecoderIsNotIsGivenUp) {
             if (!dice.chance(0.003)) continue;
             auto& reducer = reducer_of(*check);
             if (dice.chance(0.5)) {
-                curve::RotationState wrong = reducer.channel<1>().segment().end;
+                curve::RotationState wrong = reducer.channel<1>().frame_state();
                 wrong.chart.s[dice.below(3)] += 5;
                 reducer.resume<1>(&wrong);
             } else {

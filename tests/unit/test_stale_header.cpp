@@ -6,6 +6,7 @@
 
 #include "fairlead/pipeline.hpp"
 #include "fairlead/wire/decoder.hpp"
+#include "tests/unit/header_frame.hpp"
 
 namespace fairlead {
 namespace {

@@ -26,7 +26,6 @@ struct RotationSegment : Extent {
     curve::GridQuat start_grid{};  // start.anchor, where `starts`
     curve::GridQuat end_grid{};    // where the frame tells its end: the anchor behind it
     std::array<float, 3> told{};   // likewise: its place in the last chart of the frame
-    curve::RotationState end{};    // after the frame: rebased
 };
 
 /// Finer tolerances do not fit the 16 bits of a chart and float orientations.
@@ -63,6 +62,8 @@ class RotationChannel {
     }
     const curve::Scale& scale(std::size_t = 0) const noexcept { return scale_; }
     float step() const noexcept { return step_; }
+    /// Where the frame began that is open.
+    const curve::RotationState& frame_state() const noexcept { return start_; }
 
     bool active() const noexcept { return active_; }
     /// Has the curve begun in this frame?
@@ -614,7 +615,6 @@ class RotationChannel {
         } else {
             curve::rebase(state_, step_);
         }
-        segment_.end = state_;
     }
     Line trend(std::int32_t tick) const noexcept {
         constexpr std::size_t back = 6;

@@ -255,8 +255,7 @@ class Content {
             if constexpr (Rotations > 0) {
                 const auto& [a, chart] = states.rotation[range.first];
                 const Quat q = curve::from_grid(at.grid[range.first], layout.step(range.first));
-                good = approx::same(q.w, a.w) && approx::same(q.x, a.x) && approx::same(q.y, a.y) &&
-                       approx::same(q.z, a.z) && (chart.v[0] | chart.v[1] | chart.v[2]) == 0;
+                good = curve::same(q, a) && (chart.v[0] | chart.v[1] | chart.v[2]) == 0;
             }
         } else if constexpr (Axes > 0) {
             for (std::size_t i = range.first; i < range.first + std::size_t{range.count}; ++i)

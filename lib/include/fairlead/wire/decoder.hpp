@@ -110,8 +110,7 @@ class Decoder {
     }
     /// Bytes of the latest frame's payload that next() has read: what the pieces told so far cost.
     std::size_t payload_read() const noexcept { return io_.taken(); }
-    /// Of the latest frame, in sub-ticks.
-    std::int64_t frame_start() const noexcept { return frame_start_; }
+    /// Where the latest frame ends, in sub-ticks.
     std::int64_t frame_end() const noexcept { return frame_start_ + frame_ticks_ * sub_per_tick; }
     /// The state at the end of the latest frame: equal in all readers that are in step.
     const States& states() const noexcept { return states_; }

@@ -232,30 +232,31 @@ class EventReader {
     /// The payload of a frame whose CRC is right; base_ns: of its run. @return false: nonsense.
     bool parse(const std::uint8_t* payload, std::size_t size, std::int64_t base_ns) noexcept {
         walk_ = {};
-        Walk walk;
-        walk.io = {payload, size};
+        walk_.io = {payload, size};
         std::uint32_t next = 0, count = 0;
-        if (!detail::code_event_head(walk.io, next, count)) return false;
-        walk.left = static_cast<std::uint8_t>(count);
+        if (!detail::code_event_head(walk_.io, next, count)) return false;
         const std::uint32_t ahead = (next - expected_) & event_number_mask;
         // numbers that go back are those of another run of the sender: all of it is new
-        walk.stranger = !known_ || ahead > event_number_mask / 2;
-        walk.due = static_cast<std::uint16_t>(walk.stranger ? event_number_mask : ahead);
-        walk.next = next;
-        walk.trace = {count, base_ns};
-        walk.hole = hole_ && !walk.stranger;
-        const Walk start = walk;
+        walk_.stranger = !known_ || ahead > event_number_mask / 2;
+        walk_.due = static_cast<std::uint16_t>(walk_.stranger ? event_number_mask : ahead);
+        walk_.next = next;
+        walk_.trace = {count, base_ns};
+        walk_.hole = hole_ && !walk_.stranger;
+        walk_.left = static_cast<std::uint8_t>(count);
+        Walk walk = walk_;  // to the end of the frame, before any event is told
         Event event;
         std::uint32_t fresh = 0;
         while (walk.step(event)) ++fresh;
-        if (!walk.good || !walk.io.finished()) return false;
+        if (!walk.good || !walk.io.finished()) {
+            close();
+            return false;
+        }
         if (!walk.stranger) counters_.lost += ahead - fresh;
         hole_ = walk.hole || walk.due > 0;
         known_ = true;
         expected_ = next;
         ++counters_.frames;
         counters_.events += fresh;
-        walk_ = start;
         return true;
     }
     /// The next new event of the frame. @return false when there is none left.

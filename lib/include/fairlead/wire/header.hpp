@@ -262,14 +262,6 @@ class HeaderWriter {
     std::array<std::uint8_t, SizeMax - 3 - crc_size> fixed_{};
 };
 
-/// Writes the header frame to `out`, header_frame_max bytes, and sets its digest. @return its size.
-inline std::size_t write_header(Header& header, std::uint8_t* out) noexcept {
-    HeaderWriter<header_frame_max> writer;
-    writer.begin(header.shape);
-    header.digest = writer.digest();
-    return writer.write(header.end, header.starts, out);
-}
-
 /// What a header frame turns out to be.
 enum class HeaderFault : std::uint8_t {
     none,
