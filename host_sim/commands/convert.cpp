@@ -43,7 +43,9 @@ void add_convert(CLI::App& app) {
     auto o = std::make_shared<Options>();
     o->input.add_to(*command);
     o->input.add_events_to(*command);
-    command->add_option("OUT", o->out, "File to write: .imu .trk .tum .csv")->required();
+    command
+        ->add_option("OUT,--out", o->out, "File to write: .imu .trk .tum .csv; also as --out OUT")
+        ->required();
     command
         ->add_option("--imu-version", o->imu_version,
                      "Version of .imu; default: 1 where it can hold the recording, else 2")

@@ -137,6 +137,8 @@ def test_convert_and_doubts(folder):
     assert text.read_text().startswith("t_ns,gx [rad/s],")
     must("convert", text, back, "--imu-version", 2)
     must("convert", back, folder / "c.csv")
+    must("convert", back, "--out", folder / "named.csv")
+    assert (folder / "named.csv").read_bytes() == (folder / "c.csv").read_bytes()
     assert (folder / "c.csv").read_bytes() == text.read_bytes()
     expect(0, "info", back, says="format           .imu, version 2")
     rows = text.read_text().splitlines()

@@ -436,6 +436,31 @@ TEST(AttitudeDevices, VariancesStayPositiveWhereTheFieldStandsOnEnd) {
     }
 }
 
+/// Seconds pass in one Kalman step here: a tilt that is not known has made a velocity of tens of
+/// m/s of it when the first rest tells that velocity to a few mm/s.
+template <class Filter>
+void variances_stay_positive(std::int64_t first_ns, std::int64_t period_ns) {
+    Filter filter;
+    Sample s;
+    s.accel_m_s2 = {25.2f, 25.2f, 25.2f};
+    s.mag_uT = {0, 20, -45};
+    s.flags = flag::gyro_valid | flag::accel_valid | flag::mag_valid;
+    for (int i = 0; i < 120; ++i) {
+        s.t_ns += i < 3 ? first_ns : period_ns;
+        filter.push(s);
+        for (std::size_t k = 0; k < Filter::State::size; ++k)
+            ASSERT_GE(filter.state().covariance(k, k), 0)
+                << i << ' ' << k << ' ' << first_ns << ' ' << period_ns;
+    }
+}
+TEST(AttitudeDevices, VariancesStayPositiveWhereSamplesAreRare) {
+    for (const std::int64_t first_ms : {20, 128, 200})
+        for (std::int64_t period_ms = 300; period_ms < 400; period_ms += 7) {
+            variances_stay_positive<Attitude>(first_ms * 1'000'000, period_ms * 1'000'000);
+            variances_stay_positive<AttitudeImu>(first_ms * 1'000'000, period_ms * 1'000'000);
+        }
+}
+
 TEST(AttitudeDevices, ParametersAreChecked) {
     AttitudeParams params;
     EXPECT_TRUE(check(params));

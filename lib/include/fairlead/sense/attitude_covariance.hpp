@@ -17,6 +17,10 @@ struct Covariance {
     static constexpr std::size_t size = N;
     using Column = std::array<Real, N>;
 
+    /// The least noise of a measurement over the variance of what is measured: with less, what is
+    /// left of a variance would be rounding, and could be negative.
+    static constexpr Real noise_least = Real{1} / 65536;
+
     std::array<Real, N*(N + 1) / 2> packed{};
 
     static constexpr std::size_t row(std::size_t i) noexcept { return i * (i + 1) / 2; }

@@ -387,7 +387,7 @@ class KalmanStep {
     static void measure(State& s, std::size_t i, Real innovation, Real noise2) noexcept {
         auto& p = s.covariance;
         const Column with = p.column(i);
-        const Real one_by_s = 1 / (with[i] + noise2);
+        const Real one_by_s = 1 / (with[i] + (std::max)(noise2, p.noise_least * with[i]));
         const Real step = (innovation - s.correction[i]) * one_by_s;
         for (std::size_t j = 0; j < State::size; ++j) s.correction[j] += step * with[j];
         p.shrink(with, one_by_s);
@@ -451,7 +451,8 @@ class KalmanStep {
         Column with{};
         for (std::size_t j = 0; j < State::size; ++j)
             with[j] = look.dip * tilt[j] - p(State::heading, j);
-        const Real s2 = look.dip * with[State::tilt + 1] - with[State::heading] + look.variance;
+        const Real seen2 = look.dip * with[State::tilt + 1] - with[State::heading];
+        const Real s2 = seen2 + (std::max)(look.variance, p.noise_least * seen2);
         const Real gain = with[State::heading] / s2;
         x[State::heading] -= gain * (look.east + look.dip * x[State::tilt + 1] - x[State::heading]);
         for (std::size_t j = 0; j < State::heading; ++j) p(State::heading, j) -= gain * with[j];
