@@ -39,6 +39,13 @@
 #error "fairlead: floats have excess precision (FLT_EVAL_METHOD). On x86: -msse2 -mfpmath=sse."
 #endif
 
+// A function that has one code for all callers where the build asks for few bytes of flash.
+#if defined(__OPTIMIZE_SIZE__)
+#define FAIRLEAD_SMALL [[gnu::noinline]]
+#else
+#define FAIRLEAD_SMALL
+#endif
+
 static_assert(FLT_RADIX == 2 && FLT_MANT_DIG == 24 && FLT_MAX_EXP == 128,
               "fairlead: float must be the IEEE 754 type of 32 bits.");
 static_assert(DBL_MANT_DIG == 53 && DBL_MAX_EXP == 1024,

@@ -171,7 +171,7 @@ struct TrackStates : detail::CubicAxes<Kinds::cubics ? Axes : 0> {
     [[gnu::noinline]] TrackStates() noexcept {}  // one code for all that begin anew
 
     /// Of a track of quadratics.
-    [[gnu::noinline]] curve::StateView track(const TrackRange& range, std::size_t track) noexcept {
+    FAIRLEAD_SMALL curve::StateView track(const TrackRange& range, std::size_t track) noexcept {
         if constexpr (Rotations == 0)
             return axis[range.first + track].view();
         else if constexpr (Axes == 0)
