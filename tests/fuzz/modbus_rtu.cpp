@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <vector>
 
 #include "tests/fuzz/input.hpp"
@@ -116,7 +117,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const std::size_t piece = 1 + in.byte() % 32u;
         for (std::size_t at = 0; at < bytes.size(); at += piece) {
             const std::size_t n = std::min(piece, bytes.size() - at);
-            FUZZ_EXPECT(write(line.ours, bytes.data() + at, n) == static_cast<ssize_t>(n));
+            // a line that is full loses bytes, as a real one does
+            FUZZ_EXPECT(write(line.ours, bytes.data() + at, n) >= 0 || errno == EAGAIN);
             turn();
             now_ns += in.byte() * 100'000LL;
         }
