@@ -255,14 +255,73 @@ TEST(Attitude, BelievesANewFieldOnceItIsSteady) {
     // indoors now: the field is weaker and steeper, and stays so
     const auto indoors = [&](Sample& s, double t) {
         if (t < 40) return;
-        s.mag_uT += ref::narrow(motion.to_body({0, 0, -15}));
+        s.mag_uT += ref::narrow(motion.to_body({0, -5, -15}));
     };
     worst(filter, motion, 50, 50, indoors);
     EXPECT_NE(filter.state().flags & flag::mag_rejected, 0u);
+    // the reference that takes over is the new field as a whole, not one on its way there
+    const auto& field = filter.state().field;
+    for (auto weight = field.weight_s; field.weight_s >= weight && motion.time() < 100;) {
+        weight = field.weight_s;
+        const double until = motion.time() + 0.01;
+        worst(filter, motion, 100, until, indoors);
+    }
+    EXPECT_NEAR(field.up, -57, 3);
+    EXPECT_NEAR(field.horizontal, 13, 1.5);
+    EXPECT_NEAR(field.residual2, 0, 15);
     const AttitudeErrors e = worst(filter, motion, 100, 120, indoors);
     EXPECT_EQ(filter.state().flags & flag::mag_rejected, 0u);
     EXPECT_NEAR(filter.state().field.up, -57, 3);
     EXPECT_LT(e.total_deg, 3.0);
+}
+
+TEST(Attitude, TheForceIsOffBeyondAnAngleAndNotAtIt) {
+    using Filter = KalmanStep<double, AttitudeMode::imu>;
+    AttitudeState<double, AttitudeMode::imu> state;
+    constexpr float angle = 0.25f;
+    constexpr double slope = angle * (1 + angle * angle / 3);  // its tangent, to the third order
+    const auto off = [&](double x, double y, double z) {
+        state.force_m_s2 = {x, y, z};
+        return Filter::force_is_off(state, angle);
+    };
+    EXPECT_FALSE(off(0, 0, 9.81));
+    EXPECT_FALSE(off(8 * slope, 0, 8));
+    EXPECT_FALSE(off(0, -0.999 * 8 * slope, 8));
+    EXPECT_TRUE(off(1.001 * 8 * slope, 0, 8));
+    EXPECT_TRUE(off(0.8 * 8 * slope, -0.8 * 8 * slope, 8));
+    EXPECT_TRUE(off(0, 0, -9.81)) << "upside down";
+    EXPECT_TRUE(off(0, 0, 0)) << "no force says nothing of the vertical";
+}
+
+TEST(Attitude, CorrectionsThatKeepTheirSideUnsettle) {
+    struct Case {
+        float most_rad, over_s;
+        bool unsettles;
+    };
+    for (const Case& c : {Case{2e-3f, 5, true}, Case{2e-3f, 0.1f, false}, Case{3, 5, false}}) {
+        AttitudeParams params;
+        params.force_tilt = params.settled_tilt = 1;  // the corrections speak alone
+        params.corrected_max = c.most_rad;
+        params.corrected_s = c.over_s;
+        AttitudeImu filter{params};
+        Sample s;
+        s.flags = flag::gyro_valid | flag::accel_valid;
+        bool settling = false;
+        for (int i = 0; i < 6600; ++i) {  // ten seconds of rest, then an acceleration that lasts
+            const bool rests = i < 3000;
+            const auto wobble = static_cast<float>(0.02 * std::sin(0.4 * i));
+            s.t_ns += period_ns;
+            s.accel_m_s2 = {rests ? 0 : 2.0f, wobble, 9.81f};
+            s.gyro_rad_s = {(rests ? 0.01f : 3.0f) * wobble, 0, 0};
+            const auto pose = filter.push(s);
+            ASSERT_TRUE(pose);
+            settling = (settling && i != 2990) || (pose->flags & flag::settling) != 0;
+            if (i == 2999) {
+                ASSERT_FALSE(settling);
+            }
+        }
+        EXPECT_EQ(settling, c.unsettles) << c.most_rad << " over " << c.over_s;
+    }
 }
 
 TEST(Attitude, RestAdaptsToANoisySensor) {

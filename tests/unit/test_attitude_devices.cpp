@@ -581,6 +581,7 @@ TEST(TemperatureTable, FollowsABiasThatIsNoStraightLine) {
     fit.push(Vec3{std::nanf(""), 0, 0}, 20);
     fit.push(Vec3{}, 200);
     EXPECT_EQ(fit.outside(), 1u);
+    fit.push(Vec3{0, GyroTableFit<16>::bias_max_rad_s, 0}, 30);  // so large: no bias
     const auto table = fit.result();
     ASSERT_TRUE(table);
     for (float c = 4; c < 60; c += 0.7f) EXPECT_LT(norm(table->at(c) - truth(c)), 6e-4f) << c;

@@ -451,6 +451,27 @@ TEST(Events, ALostLastEventComesAgain) {
     EXPECT_GT(seen, 2u);
 }
 
+TEST(Events, ALostFrameOfSeveralComesAgainAsOften) {
+    Line line;
+    ASSERT_TRUE(line.sender.push({1, 0, 1, 0}));
+    ASSERT_TRUE(line.pass());
+    for (std::uint16_t channel = 1; channel < 5; ++channel)
+        ASSERT_TRUE(line.sender.push({10 + channel, channel, 1, 0}));
+    ASSERT_GT(line.frame(), 0u);  // lost
+    for (int times = 0; times < 2; ++times) {
+        line.sender.repeat();
+        ASSERT_TRUE(line.pass());
+        ASSERT_EQ(line.heard.size(), 5u) << "each is new once, and what came before is not";
+    }
+    for (std::size_t i = 1; i < 5; ++i) {
+        EXPECT_EQ(line.heard[i].t_ns, 10 + static_cast<std::int64_t>(i));
+        EXPECT_EQ(line.heard[i].channel, i);
+        EXPECT_EQ(line.heard[i].flags, 0u);
+    }
+    EXPECT_EQ(line.reader.counters().events, 5u);
+    EXPECT_EQ(line.reader.counters().lost, 0u);
+}
+
 TEST(Events, ChannelsThatHaveBeenStillForLongAreToldAgain) {
     Line line;
     for (std::uint16_t channel = 0; channel < 3; ++channel)

@@ -207,6 +207,28 @@ TEST(Intake, LimitsAreTheirs) {
     EXPECT_EQ(close.faults()[Fault::too_close], 1u);
 }
 
+TEST(Intake, WhatNobodyTakesIsClearedWithItsFlags) {
+    Intake<Pose, flag::position_valid> position;
+    Intake<Pose, flag::orientation_valid> orientation;
+    Intake<Sample, six_axes> inertial;
+    Pose pose = pose_at(0);
+    pose.flags |= flag::position_gap | flag::orientation_gap | flag::clipped;
+    const auto p = position.push(pose), q = orientation.push(pose);
+    EXPECT_EQ(p->flags, flag::position_valid | flag::position_gap | flag::clipped);
+    EXPECT_EQ(p->p_w_m.y, pose.p_w_m.y);
+    EXPECT_EQ(p->q_wb.z, 0);
+    EXPECT_EQ(q->flags, flag::orientation_valid | flag::orientation_gap | flag::clipped);
+    EXPECT_EQ(q->p_w_m.z, 0);
+    EXPECT_EQ(q->q_wb.z, pose.q_wb.z);
+    Sample sample;
+    sample.mag_uT = {nan_f, 0, 0};
+    sample.flags = six_axes | flag::mag_valid;
+    const auto s = inertial.push(sample);
+    EXPECT_EQ(s->flags, six_axes);
+    EXPECT_EQ(s->mag_uT.x, 0);
+    EXPECT_EQ(inertial.faults().total(), 0u);
+}
+
 TEST(Intake, VectorsOfAnyLength) {
     IntakeLimits limits;
     limits.value_max = 8;

@@ -271,26 +271,72 @@ TEST(Stream, ALateReaderJoinsAndBecomesBitEqual) {
 }
 
 TEST(Stream, AReaderFindsItsTimeBehindALongLoss) {
-    // time bits of 32 ticks, frames of 60: so many frames lost are so many tries
+    // time bits of 32 ticks, frames of 60 or 32: so many frames lost are so many tries, and those
+    // of 32 end at each count of turns, the carries of the count among them
     for (const bool independent : {false, true})
-        for (std::size_t lost = 1; lost < 40; ++lost) {
+        for (std::size_t lost = 1; lost < 100; ++lost) {
+            const bool turns = lost >= 40;
             Options o;
             o.time_bits = 5;
+            o.usual_ticks = turns ? 32 : 60;
             o.restart_every = o.restart_frames = 3;
             o.independent = independent;
             o.ends = o.jumps = 0;
-            const Stream stream{o, lost, 60};
+            const std::size_t gone = turns ? lost - 39 : lost;
+            const Stream stream{o, lost, turns ? 90 : 60};
             // the restart frames are 2, 5, 8 ...; the reader joins at the next one's end
-            const std::size_t next = independent ? 11 + lost : (12 + lost) / 3 * 3 + 2;
+            const std::size_t next = independent ? 11 + gone : (12 + gone) / 3 * 3 + 2;
             ASSERT_GT(stream.frames.size(), next + 3);
             const std::int64_t ticks = (stream.frames[next].end - stream.frames[11].end) / 64;
             Reader reader;
             const Told told = read(
-                reader, without(stream, [&](std::size_t i) { return i >= 12 && i < 12 + lost; }),
+                reader, without(stream, [&](std::size_t i) { return i >= 12 && i < 12 + gone; }),
                 stream.frames);
             EXPECT_EQ(told.wrong, 0u) << lost;
-            EXPECT_EQ(told.frames > 12, ticks < 32 * wire::unwraps) << lost << " frames lost";
+            EXPECT_EQ(told.frames > 12, ticks < 32 * wire::unwraps) << gone << " frames lost";
         }
+}
+
+TEST(Stream, TrustComesBackWithDecodedTime) {
+    Options o;
+    o.sub_ns = 15'625'000;  // a tick a second, a frame a minute
+    o.jumps = o.ends = 0;
+    o.orientation = false;
+    RandomStream source{o, 3};
+    Reader reader;
+    const auto pass = [&](const ByteVector& bytes) {
+        for (const std::uint8_t b : bytes) reader.push(b);
+    };
+    const auto next = [&] {
+        ByteVector frame;
+        while (frame.empty()) frame = source.frame(60);
+        pass(frame);
+        return reader.frame_end() == source.writer().link().end;  // told with its last byte
+    };
+    const auto lose = [&] {
+        pass({1});  // a frame of four bytes whose check does not fit
+        while (!next() && !reader.in_step()) continue;
+    };
+    /// Frames until one is told with its last byte.
+    const auto wait = [&] {
+        int frames = 1;
+        while (!next() && frames < 1000) ++frames;
+        return frames;
+    };
+    pass(source.header(true));
+    EXPECT_EQ(wait(), 1);
+    const int credit = static_cast<int>(0x1p41 / 60e9) + 1;  // frames whose time gives one
+    for (const bool again : {false, true}) {  // four at the start, and four at most later
+        for (int credits = 4; credits > 1; --credits) {
+            lose();
+            EXPECT_EQ(wait(), 1) << again << ": " << credits;
+        }
+        for (int i = 0; i < 2; ++i) {  // none is left, and then the one that came back
+            lose();
+            EXPECT_NEAR(wait(), credit, 3);
+        }
+        for (int i = 0; i < 6 * credit; ++i) next();
+    }
 }
 
 TEST(Stream, ALateTimeAsksForAThirdCheck) {
