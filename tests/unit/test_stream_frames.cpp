@@ -129,6 +129,45 @@ TEST(Stream, ReaderHasTheWritersStateAfterEveryFrame) {
     EXPECT_LT(refused, frames / 3);
 }
 
+TEST(Stream, AWriterRefusesAPieceThatDoesNotFitAtOnce) {
+    const RandomStream source{Options{}, 1};
+    Writer writer;
+    const auto open = [&] {  // a frame with one curve, of the position
+        writer.begin_run(source.shape(), source.digest(), 0);
+        auto& coder = writer.prepare();
+        coder.channel[0].present = coder.channel[0].starts = true;
+        coder.channel[0].end_tick = 200;
+        wire::FrameHead head;
+        head.end = 200 * 64;
+        return writer.open(head);
+    };
+    curve::Piece<1> jump;
+    jump.code = curve::code::jump;
+    jump.subs = 1;
+    ASSERT_TRUE(open());
+    std::size_t fit = 0, bits = 0;
+    for (std::int32_t v = 40'000'000; !writer.done() && fit < 1000; v = -v) {
+        jump.k[0] = fit == 0 ? v / 2 : v;
+        if (!writer.piece(jump)) break;
+        ++fit;
+        bits += 25;  // a k of that size costs more
+    }
+    EXPECT_GT(fit, 10u);
+    EXPECT_LE(bits, 8 * wire::payload_max) << "what does not fit is refused with its piece";
+    EXPECT_EQ(writer.close(), 0u);
+    ASSERT_TRUE(open());
+    jump.k[0] = curve::jump_max;
+    EXPECT_TRUE(writer.piece(jump));
+    jump.k[0] = curve::vertex_max - curve::jump_max;
+    EXPECT_TRUE(writer.piece(jump));
+    jump.k[0] = 1;  // beyond the lattice
+    EXPECT_FALSE(writer.piece(jump));
+    ASSERT_TRUE(open());
+    jump.k[0] = 1;
+    jump.subs = 65;  // from within a tick to within another
+    EXPECT_FALSE(writer.piece(jump));
+}
+
 TEST(Stream, AskingChangesNothing) {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         const Stream stream{some_options(seed), seed, 40};
