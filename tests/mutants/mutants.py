@@ -4,12 +4,11 @@
 Mutants are drawn evenly over the folders of lib and over the operators (tests/mutants/sites.py), by a stated seed. All become
 switches in one compilation of each unit and law test that includes a changed header (together.py); the tests that meet a switch
 run with it on, the likeliest first, until one fails. What the compiler evaluates itself, or what cannot be a switch, is compiled
-alone (suite.py). Outcomes:
+alone (suite.py), with the tests in which the compiler evaluates it. Outcomes:
     killed       a test failed, or the compiler refused it by a static_assert
     timeout      a test took several times the processor time that it takes on the original: noticed, counted apart
     survived     all tests passed
     not reached  no test executes the place; counts as survived
-    same code    the same machine code in every test: either it changes nothing, or no test uses the place; counts as survived
     stillborn    it does not compile for another reason; not counted
 Survivors are listed with file and line. tests/mutants/explained.txt names those that change nothing that matters, each with
 its reason; they are counted apart.
@@ -33,7 +32,7 @@ from together import Together
 
 LIB = ROOT / "lib/include/fairlead"
 EXPLAINED = pathlib.Path(__file__).with_name("explained.txt")
-SURVIVED = ("survived", "not reached", "same code")
+SURVIVED = ("survived", "not reached")
 COUNTED = ("killed", "timeout", *SURVIVED)
 KINDS = (*COUNTED, "explained", "stillborn")
 
@@ -135,6 +134,8 @@ def main():
         try:
             # compilations of their own come last: most of the table is known soon
             list(pool.map(lambda k: one(together.judge_switch, k), list(together.spans)))
+            if time.monotonic() < end:
+                together.find_folding(alone, args.jobs)
             list(pool.map(lambda k: one(together.judge_alone, k), alone))
         except BaseException:
             pool.shutdown(cancel_futures=True)

@@ -1,7 +1,6 @@
 """The tests of lib as a judge of a changed header: which tests include it, how each is compiled against the change and run."""
 import collections
 import concurrent.futures
-import hashlib
 import os
 import pathlib
 import shlex
@@ -40,7 +39,6 @@ class Suite:
         self.sources = sorted(p for folder in ("unit", "laws") for p in (root / "tests" / folder).glob("*.cpp"))
         with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
             self.includes = dict(zip(self.sources, pool.map(self.read_includes, self.sources)))
-        self.originals = {}
         self.noticed = collections.Counter()  # mutants by (header, test): the likeliest test runs first
 
     def call(self, command):
@@ -58,12 +56,12 @@ class Suite:
             return -self.noticed[header, source], far, len(self.includes[source]), source
         return sorted((s for s in self.sources if header.resolve() in self.includes[s]), key=order)
 
-    def compile(self, source, overlay, out):
+    def compile(self, source, overlay, out, more=()):
         """Compiles a test; headers in `overlay` come before the library's. Without `out` only the grammar is checked.
         @return the compiler's refusal, else None."""
         first = [f"-I{overlay}"] if overlay else []
         included = [self.work / "common.hpp", *([overlay / "switches.hpp"] if overlay and (overlay / "switches.hpp").exists() else [])]
-        command = [*self.compiler, *(f"-include{h}" for h in included), *first, *self.flags, "-c", source,
+        command = [*self.compiler, *(f"-include{h}" for h in included), *first, *self.flags, *more, "-c", source,
                    *(["-o", out] if out else ["-fsyntax-only"])]
         done = subprocess.run([str(c) for c in command], capture_output=True, text=True, cwd=self.root, check=False)
         return done.stderr if done.returncode else None
@@ -93,45 +91,22 @@ class Suite:
     def limit(self, seconds):
         return int(self.cpu_seconds_min + 5 * seconds)
 
-    def on_original(self, source):
-        """(digest of its machine code, seconds of CPU that it runs) without a mutation; made once."""
-        if source not in self.originals:
-            out = self.work / f"{source.parent.name}_{source.stem}.{time.monotonic_ns()}.o"
-            refused = self.compile(source, None, out)
-            if refused:
-                raise SystemExit(f"FAIL {source} does not compile:\n{refused[-2000:]}")
-            program = out.with_suffix(".run")
-            self.link([out], program)
-            outcome, seconds = self.run(program, 600)
-            program.unlink()
-            if outcome != "passed":
-                raise SystemExit(f"FAIL {source} fails on the original")
-            self.originals[source] = (digest(out), seconds)
-            out.unlink()
-        return self.originals[source]
-
-    def judge(self, header, overlay):  # one mutant, compiled by itself
-        """What the tests say of the changed copy of a header in `overlay`. @return (outcome, by which test)."""
-        same_code = True
+    def judge(self, header, overlay, tests, seconds):  # one mutant, compiled by itself
+        """What the tests say of the changed copy of a header in `overlay`. tests: those that may differ; None: all.
+        seconds: of CPU that a test takes on the original, as far as known. @return (outcome, by which test)."""
         for source in self.of(header):
-            code, seconds = self.on_original(source)
+            if tests is not None and source not in tests:
+                continue
             out = overlay / f"{source.parent.name}_{source.stem}.o"
             refused = self.compile(source, overlay, out)
             if refused is not None:
                 return ("killed" if "static assertion failed" in refused else "stillborn"), source.stem
-            if digest(out) == code:
-                continue
-            same_code = False
             program = out.with_suffix(".run")
             self.link([out], program)
-            outcome, _ = self.run(program, self.limit(seconds))
+            outcome, _ = self.run(program, self.limit(seconds.get(source, self.cpu_seconds_min)))
             program.unlink()
             if outcome != "passed":
                 self.noticed[header, source] += 1
                 return ("killed" if outcome == "failed" else "timeout"), source.stem
             out.unlink()
-        return ("same code" if same_code else "survived"), ""
-
-
-def digest(path):
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+        return "survived", ""

@@ -2,7 +2,8 @@
 the original.
 
 A switch is looked up when the program runs, so a test is compiled once for all mutants instead of once for each. Where the
-compiler evaluates an expression itself, the original stands: such mutants are judged by a compilation of their own."""
+compiler evaluates an expression itself, the original stands: such mutants are judged by compilations of their own, of the tests
+that do not compile where such an evaluation is an error (FOLDED)."""
 import pathlib
 import re
 
@@ -14,8 +15,15 @@ namespace mutants {
 extern int chosen;
 extern unsigned char reached[];
 inline bool now(int k) noexcept { reached[k] = 1; return chosen == k; }
+#ifndef FOLDED
+#define FOLDED false
+#endif
+inline void folds() noexcept {}  // no constant expression calls it
 constexpr bool on(int k) noexcept {
-    if (__builtin_is_constant_evaluated()) return false;
+    if (__builtin_is_constant_evaluated()) {
+        if (k >= 0 && (FOLDED)) folds();
+        return false;
+    }
     return now(k);
 }
 }  // namespace mutants
@@ -103,16 +111,20 @@ def extent(path, text, site):
 
 
 def in_constant(path, text):
-    """Whether the compiler may evaluate the place by itself: a constexpr variable or function, or no function at all."""
-    function = None
+    """Whether the compiler evaluates the place by itself: always, sometimes (a constexpr function, the value that a member begins
+    with) or never."""
+    function, sometimes = None, False
     for cursor in path:
         if cursor.kind in FUNCTIONS:
             function = cursor
         if cursor.kind in FUNCTIONS or cursor.kind == CursorKind.VAR_DECL:
             a, b = whole(cursor)
             if "constexpr" in text[a:min(text.find(c, a, b) % (b + 1) for c in "{=")]:
-                return True
-    return function is None
+                if cursor.kind == CursorKind.VAR_DECL:
+                    return "always"
+                sometimes = True
+    member = path and path[-1].kind.is_expression() and any(c.kind == CursorKind.FIELD_DECL for c in path)
+    return "sometimes" if sometimes or member else "never" if function else "always"
 
 
 def replacement(text, site, span, k):

@@ -28,6 +28,8 @@ inline long long forever(long long n) {  // counts the wrong way for centuries, 
 }
 inline int size() { return Sized<4>::n; }
 constexpr int at_build(int a) { return a + 2; }
+constexpr int at_run(int a) { return a << 1; }
+struct Begins { int n{6}; };
 struct Half { int n; };
 inline Half operator/(Half a, int b) { return {a.n >= 0 ? b : -1}; }
 template <class T>
@@ -41,8 +43,10 @@ T divided(T a, T b) {
 """
 TEST = """#include "small/math.hpp"
 static_assert(small::at_build(1) == 3);
-int main() {
+int main(int argc, char**) {
     small::untested(7);
+    if (small::at_run(argc) > 99) return 1;
+    static_assert(small::Begins{}.n > 0);
     if (small::divided(small::Half{1}, small::Half{1}).n != 2) return 1;
     return small::larger(2, 1) == 2 && small::larger(1, 2) == 2 && small::sum(1, 2) == 3 && small::forever(5) == 5 &&
                    small::size() == 4 ? 0 : 1;
@@ -52,7 +56,7 @@ EXPECTED = {  # the text before, the operator: what becomes of it
     (" > ", "negated relation"): "killed", (" > ", "relation"): "survived", (" += ", "arithmetic"): "killed",
     ("s += b;", "statement"): "killed", (" - ", "arithmetic"): "not reached", (" * ", "arithmetic"): "survived",
     ("++", "step"): "timeout", ("4", "constant"): "killed", (" + ", "arithmetic"): "killed", ("i < n", "condition"): "killed",
-    (" / ", "arithmetic"): "stillborn",
+    (" / ", "arithmetic"): "stillborn", (" << ", "logic"): "survived", ("6", "constant"): "survived",
 }
 
 
@@ -71,6 +75,10 @@ def main():
         found = [s for s in sites.sites(HEADER) if (s[2], s[0]) in EXPECTED]
         together = Together(judge, lib, [(header, s) for s in found], 1)
         assert len(found) == len(EXPECTED), found
+        # of what the compiler evaluates itself, the tests that hold it so are found: a static_assert, an argument of a template
+        together.find_folding(range(1, len(found) + 1), 1)
+        folding = {found[k - 1][2]: len(tests) for k, tests in together.folding.items()}
+        assert {text for text, tests in folding.items() if tests} == {" + ", "4", "6"}, folding
         for k, site in enumerate(found, 1):
             outcome, _ = together.judge(k)
             ok = outcome == EXPECTED[site[2], site[0]]

@@ -20,13 +20,12 @@ class Together:
         self.suite, self.lib, self.mutants = suite, lib, mutants
         self.texts = {h: h.read_text(encoding="utf-8") for h, _ in mutants}
         headers = switches.Headers(sorted(self.texts), suite.flags)
-        self.spans, self.constant = {}, set()
+        self.spans, self.constant, self.folding = {}, {}, {}
         for k, (header, site) in enumerate(mutants, 1):
             text = self.texts[header]
             path = headers.path(header, site[1], site[1] + len(site[2].rstrip()))
             span = switches.extent(path, text, site)
-            if switches.in_constant(path, text):
-                self.constant.add(k)
+            self.constant[k] = switches.in_constant(path, text)
             if span and not any(h == header and span[0] < b and a < span[1] for h, (a, b) in
                                 ((mutants[j - 1][0], s) for j, s in self.spans.items())):
                 self.spans[k] = span
@@ -133,6 +132,25 @@ class Together:
         outcome, by = self.judge_switch(k) if k in self.spans else (None, "")
         return self.judge_alone(k) if outcome is None else (outcome, by)
 
+    def find_folding(self, mutants, jobs):
+        """Of those that are evaluated by the compiler in some tests: in which. The other tests have judged the switch."""
+        ask = {k for k in mutants if k in self.spans and self.constant[k] != "always"}
+
+        def search(source, found):
+            includes = self.suite.includes[source]
+            found = sorted(k for k in found if self.mutants[k - 1][0].resolve() in includes)
+            folded = " || ".join(f"k == {k}" for k in found) or "false"
+            if not found or self.suite.compile(source, self.overlay, None, [f"-DFOLDED={folded}"]) is None:
+                return set()
+            half = len(found) // 2
+            return set(found) if half == 0 else search(source, found[:half]) | search(source, found[half:])
+
+        tests = list(self.tests)
+        with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+            for source, found in zip(tests, pool.map(lambda s: search(s, ask), tests)):
+                for k in ask:
+                    self.folding.setdefault(k, set()).update({source} if k in found else ())
+
     def judge_alone(self, k):
         """By compilations of its own."""
         header, site = self.mutants[k - 1]
@@ -141,7 +159,8 @@ class Together:
             changed = overlay / header.relative_to(self.lib.parent)
             changed.parent.mkdir(parents=True)
             changed.write_text(mutated(self.texts[header], site), encoding="utf-8")
-            return self.suite.judge(header, overlay)
+            seconds = {s: t[1] for s, t in self.tests.items()}
+            return self.suite.judge(header, overlay, self.folding.get(k), seconds)
 
     def judge_switch(self, k):
         """By runs with the switch on. @return (outcome, by which test); outcome None: this cannot tell"""
@@ -155,6 +174,6 @@ class Together:
                 self.suite.noticed[header, source] += 1
                 return ("killed" if outcome == "failed" else "timeout"), source.stem
         # a number may stand in a type, or be the size of an array
-        if k in self.constant or (not met and self.mutants[k - 1][1][0] == "constant"):
+        if self.constant[k] != "never" or (not met and self.mutants[k - 1][1][0] == "constant"):
             return None, ""
         return ("survived" if met else "not reached"), ""
