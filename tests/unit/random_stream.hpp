@@ -64,8 +64,10 @@ class RandomStream {
         ++frame_;
         wire::FrameHead head;
         head.start = writer_.link().end;
-        if (writer_.states.live == 0 && chance(0.3))  // a gap of all channels
-            head.start += 64 * below(3000) + (chance(0.5) ? below(64) : 0);
+        if (writer_.states.live == 0 && chance(0.3)) {  // a gap of all channels
+            head.start += 64 * below(3000);
+            if (chance(0.5)) head.start += below(64);
+        }
         if (ticks == 0) {
             ticks = options_.usual_ticks;
             if (chance(0.1)) ticks = below(unsigned{curve::piece_ticks_max} + 1);

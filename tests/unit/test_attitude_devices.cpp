@@ -365,6 +365,26 @@ TEST(AttitudeDevices, OneFrozenAxisIsNoticed) {
     EXPECT_GT(noticed, n * 9 / 10);
 }
 
+TEST(AttitudeDevices, AGyroOfWhichOneAxisLivesIsAlive) {
+    // a turntable about an axis of the sensor: coarse readings of the other two are always zero
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        AttitudeImu filter;
+        bool dead = false;
+        for (int i = 0; i < 8000; ++i) {
+            Sample s;
+            s.t_ns = i * std::int64_t{5'000'000};
+            s.flags = flag::gyro_valid | flag::accel_valid;
+            const auto rate = static_cast<float>(std::sin(0.01 * i));
+            s.gyro_rad_s = {axis == 0 ? rate : 0, axis == 1 ? rate : 0, axis == 2 ? rate : 0};
+            s.accel_m_s2 = {axis == 0 ? 9.81f : 0, axis == 1 ? 9.81f : 0, axis == 2 ? 9.81f : 0};
+            s.accel_m_s2.x += static_cast<float>(0.05 * std::sin(1.3 * i));
+            filter.push(s);
+            dead = dead || filter.state().alive.gyro_dead;
+        }
+        EXPECT_FALSE(dead) << axis;
+    }
+}
+
 TEST(AttitudeDevices, AFrozenAccelerometerTeachesNoBias) {
     const Recording r = simulate(plan("hand", 50)).recording;
     Vec3 frozen{};

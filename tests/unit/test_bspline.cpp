@@ -166,6 +166,20 @@ TEST(BSpline, ClampedEndsAndLines) {
     EXPECT_EQ(curve.insert(1), Status::bad_argument);  // full
 }
 
+TEST(BSpline, TakesWhatItWasToldAndNoMore) {
+    BSpline<float, 3, 1, 6> curve;
+    EXPECT_EQ(curve.size(), 0u);
+    EXPECT_EQ(curve.insert(0), Status::bad_argument) << "there is no curve yet";
+    const float knots[] = {0, 0, 0, 1, 2, 2, 2, 77};
+    const std::array<float, 1> points[] = {{1}, {2}, {4}, {8}, {55}};
+    ASSERT_EQ(curve.set(knots, points, 4), Status::ok);
+    EXPECT_EQ(curve.size(), 4u);
+    EXPECT_EQ(curve.knot(6), 2);
+    EXPECT_EQ(curve.knot(7), 0);
+    EXPECT_EQ(curve.point(3)[0], 8);
+    EXPECT_EQ(curve.point(4)[0], 0);
+}
+
 TEST(BSpline, RefusesWhatIsNoCurve) {
     const std::array<double, 1> p[6]{};
     BSpline<double, 3, 1, 5> curve;

@@ -123,6 +123,34 @@ TEST(GyroTemperatureFit, FindsTheLine) {
     EXPECT_LT(r->residual_rad_s, 6e-5f);
 }
 
+TEST(GyroBiasFit, WantsTwoSecondsAndTwentyReadings) {
+    const auto status = [](int readings, float dt_s) {
+        GyroBiasFit fit;
+        for (int i = 0; i < readings; ++i) fit.push({0.01f, 0, 0}, dt_s);
+        return fit.result().status();
+    };
+    EXPECT_EQ(status(32, 1.0f / 16), Status::not_enough_data);
+    EXPECT_EQ(status(33, 1.0f / 16), Status::ok) << "two seconds";
+    EXPECT_EQ(status(19, 1), Status::not_enough_data);
+    EXPECT_EQ(status(20, 1), Status::ok);
+}
+
+TEST(GyroTemperatureFit, ThreeRestsWithoutNoiseGiveTheirLine) {
+    const Vec3 at25{0.01f, -0.02f, 0.005f}, per_K{2e-3f, -1e-3f, 5e-4f};
+    for (const float step_K : {5.0f, -5.0f}) {  // getting warmer, getting colder
+        GyroTemperatureFit fit;
+        for (int i = -1; i < 2; ++i)
+            fit.push(at25 + static_cast<float>(i) * step_K * per_K,
+                     25 + static_cast<float>(i) * step_K);
+        const auto r = fit.result();
+        ASSERT_TRUE(r) << step_K;
+        EXPECT_NEAR(r->temperature_C, 25, 1e-4f);
+        expect_near(r->bias_rad_s, at25, 1e-7f);
+        expect_near(r->per_K, per_K, 1e-7f);
+        EXPECT_LT(r->residual_rad_s, 1e-5f);
+    }
+}
+
 TEST(GyroTemperatureFit, WantsRestsThatDiffer) {
     GyroTemperatureFit fit;
     for (int i = 0; i < 10; ++i) fit.push({0.01f, 0, 0}, 20 + 0.4f * static_cast<float>(i));

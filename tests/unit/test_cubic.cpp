@@ -194,6 +194,32 @@ TEST(Cubic, ABreakHasAWayFromEachStateToEachNextValue) {
     }
 }
 
+TEST(Cubic, StatesAreTheSameInAllTheirPartsAlone) {
+    using Same = curve::CubicState<2>;
+    const Same a = Same::begin({5, -7});
+    ASSERT_TRUE(curve::same(a, Same::begin({5, -7})));
+    const auto differs = [&a](auto change) {
+        Same b = a;
+        change(b);
+        return !curve::same(a, b) && !curve::same(b, a);
+    };
+    EXPECT_TRUE(differs([](Same& s) { ++s.last_code; }));
+    EXPECT_TRUE(differs([](Same& s) { ++s.last_ticks; }));
+    EXPECT_TRUE(differs([](Same& s) { ++s.phase; }));
+    EXPECT_TRUE(differs([](Same& s) { ++s.run; }));
+    EXPECT_TRUE(differs([](Same& s) { s.known = !s.known; }));
+    for (std::size_t c = 0; c < 2; ++c) {
+        EXPECT_TRUE(differs([c](Same& s) { ++s.at[c].p; }));
+        EXPECT_TRUE(differs([c](Same& s) { ++s.at[c].v; }));
+        EXPECT_TRUE(differs([c](Same& s) { ++s.at[c].a; }));
+        EXPECT_TRUE(differs([c](Same& s) { ++s.control[c]; }));
+        EXPECT_TRUE(differs([c](Same& s) { ++s.control_before[c]; }));
+        EXPECT_TRUE(differs([c](Same& s) { ++s.last_k[c]; }));
+        EXPECT_TRUE(differs([c](Same& s) { ++s.before_k[c]; }));
+        EXPECT_TRUE(differs([c](Same& s) { ++s.sign[c]; }));
+    }
+}
+
 TEST(Cubic, PiecesThatAreNotAllowedLeaveTheStateAsItWas) {
     CubicState<1> s = moving(7, 3);
     CubicSpan<1> span;

@@ -40,6 +40,21 @@ TEST(Grid, MomentsAreExactAndColumnsKeepBeforeLaterSamples) {
     }
 }
 
+TEST(Grid, TimesEndWhereTheirNumbersEnd) {
+    const Grid late{INT64_MAX - 1000, 100}, early{INT64_MIN + 1000, 100}, usual{-5, 100};
+    EXPECT_EQ(late.time_ns(10), INT64_MAX);
+    EXPECT_EQ(late.time_ns(9), INT64_MAX - 100);
+    EXPECT_EQ(late.time_ns(11), INT64_MAX);
+    EXPECT_EQ(late.time_ns(-10), INT64_MAX - 2000);
+    EXPECT_EQ(early.time_ns(-10), INT64_MIN);
+    EXPECT_EQ(early.time_ns(-9), INT64_MIN + 100);
+    EXPECT_EQ(early.time_ns(-11), INT64_MIN);
+    EXPECT_EQ(early.time_ns(10), INT64_MIN + 2000);
+    EXPECT_EQ(usual.time_ns(0), -5);
+    EXPECT_EQ(usual.time_ns(3), 295);
+    EXPECT_EQ(usual.time_ns(-3), -305);
+}
+
 TEST(Scale, StepsAreBelowTheWishAndSamplesAreRoundedExactly) {
     std::mt19937_64 random{2};
     for (int i = 0; i < 200000; ++i) {
@@ -116,6 +131,35 @@ TEST(State, StepsOutOfBoundsAreRefusedAndChangeNothing) {
         EXPECT_EQ(s.v, before.v);
         EXPECT_EQ(s.s, before.s);
     }
+}
+
+TEST(State, BoundsAreReachedAndNotPassed) {
+    for (const int sign : {1, -1}) {
+        State<1> s;
+        curve::Piece<1> jump{curve::code::jump, 64, {sign * (curve::vertex_max - 5)}};
+        s.v[0] = 0;
+        ASSERT_TRUE(curve::step(s, jump));
+        jump.k[0] = sign * 6;
+        EXPECT_FALSE(curve::step(s, jump));
+        jump.k[0] = sign * 5;
+        EXPECT_TRUE(curve::step(s, jump));
+        EXPECT_EQ(s.v[0], sign * curve::vertex_max);
+    }
+    // a slope that each piece turns round, around its bound: k moves the slope by twice of it
+    std::int32_t largest = 0, least = 0;
+    for (std::int32_t slope = -curve::slope_max; slope <= curve::slope_max;
+         slope += slope == -curve::slope_max + 3000 ? 2 * (curve::slope_max - 3000) : 1)
+        for (std::int32_t k = -2; k <= 2; ++k) {
+            State<1> s;
+            s.fresh = false;
+            s.last_code = 0;
+            s.s[0] = slope;
+            if (!curve::step(s, curve::Piece<1>{0, 64, {k}})) continue;
+            largest = std::max(largest, s.s[0]);
+            least = std::min(least, s.s[0]);
+        }
+    EXPECT_EQ(largest, curve::slope_max);
+    EXPECT_EQ(least, -curve::slope_max);
 }
 
 TEST(Rotation, RebasingGoesOnWithTheSameOrientationAndRate) {

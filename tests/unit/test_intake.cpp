@@ -250,6 +250,23 @@ TEST(Intake, VectorsOfAnyLength) {
     EXPECT_EQ(intake.faults()[Fault::not_finite], 2u);
 }
 
+TEST(Intake, AVectorIsStuckWhereAllItsComponentsAre) {
+    IntakeParams params;
+    params.stuck_records = 4;
+    for (int moving = -1; moving < 3; ++moving) {
+        Intake<VectorSample<3>> intake{params};
+        for (int i = 0; i < 10; ++i) {
+            VectorSample<3> in{i * 10 * ms, {1, 2, 3}, flag::vector_valid};
+            if (moving >= 0) in.value[static_cast<std::size_t>(moving)] += static_cast<float>(i);
+            const auto out = intake.push(in);
+            ASSERT_TRUE(out);
+            const bool stuck = moving < 0 && i >= 3;
+            EXPECT_EQ((out->flags & flag::vector_valid) == 0, stuck) << moving << ' ' << i;
+            EXPECT_EQ((out->flags & flag::stuck) != 0, stuck) << moving << ' ' << i;
+        }
+    }
+}
+
 TEST(Intake, RefusesParametersByName) {
     const auto field = [](auto change, const IntakeLimits& limits = {}) {
         IntakeParams params;

@@ -92,6 +92,18 @@ TEST(Mask, LateMasksReadTheLineAndTheParabolaAnywhere) {
 }
 
 /// Against the least-norm solution of its three conditions, by a dense pseudo-inverse.
+TEST(Mask, APolynomialThroughItsSamplesReadsThem) {
+    for (std::size_t size = 2; size < 5; ++size)
+        for (const double degree : {1.0, 2.0, 3.0})
+            for (std::size_t place = 0; place < size; ++place) {
+                if (degree < static_cast<double>(size - 1)) continue;
+                double a[8]{};
+                detail::fill_savitzky_golay(a, size, static_cast<double>(place), degree);
+                for (std::size_t i = 0; i < size; ++i)
+                    EXPECT_NEAR(a[i], i == place ? 1 : 0, 1e-12) << size << ' ' << degree;
+            }
+}
+
 TEST(Mask, LateMasksLeaveTheLeastNoiseForTheirErrors) {
     std::minstd_rand random{5};
     const auto uniform = [&] { return static_cast<double>(random()) / 2147483647.0; };

@@ -65,6 +65,25 @@ TEST(RangeCoder, GivesBackWhatWasPut) {
     }
 }
 
+TEST(RangeCoder, ARangeOfExactlyTheLeastIsNotWidened) {
+    // 2^32 - 1, 2^25 - 1, 2^24 + 6143, then 2^24: what the third symbol leaves is still enough
+    const Symbol symbols[] = {{77, 1, 7}, {1234, 2049, 12}, {0, 8192, 13}, {3, 5, 4}, {999, 1, 11}};
+    std::vector<std::uint8_t> bytes(40);
+    RangeEncoder encoder{bytes.data(), bytes.size()};
+    const std::size_t sizes[] = {0, 0, 0, 1, 2};
+    for (std::size_t i = 0; i < 5; ++i) {
+        encoder.put(symbols[i].cum, symbols[i].freq, symbols[i].bits);
+        EXPECT_EQ(encoder.size(), sizes[i]) << i;
+    }
+    RangeDecoder decoder{bytes.data(), encoder.finish()};
+    for (const Symbol& s : symbols) {
+        const std::uint32_t place = decoder.peek(s.bits);
+        EXPECT_TRUE(place >= s.cum && place < s.cum + s.freq);
+        decoder.take(s.cum, s.freq, s.bits);
+    }
+    EXPECT_TRUE(decoder.finished());
+}
+
 TEST(RangeCoder, KnowsItsOwnEnding) {
     Dice random{std::mt19937{2}};
     int passed = 0, tried = 0;

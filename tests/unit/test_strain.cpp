@@ -97,6 +97,21 @@ TEST(StrainWeight, the_gain_at_the_cut_off_is_one_half) {
     }
 }
 
+TEST(StrainWeight, says_what_is_wrong) {
+    const float inf = std::numeric_limits<float>::infinity();
+    const auto error = [](float cutoff, float step) {
+        const char* const what = strain_weight_error(cutoff, step);
+        return std::string{what == nullptr ? "" : what};
+    };
+    EXPECT_EQ(error(10, 0.01f), "");
+    for (const float bad : {0.0f, -1.0f, inf, -inf, std::nanf("")}) {
+        EXPECT_EQ(error(10, bad), "the step must be positive") << bad;
+        EXPECT_EQ(error(bad, 0.01f), "the cut-off must be positive") << bad;
+    }
+    EXPECT_NE(error(0.7f, 0.01f).find("thin the samples out"), std::string::npos);
+    EXPECT_NE(error(50, 0.01f).find("below 0.5 cycles"), std::string::npos);
+}
+
 TEST(StrainWeight, refuses_what_float_cannot_bear) {
     EXPECT_EQ(strain_weight(0.9f, step_s).status(), Status::bad_argument);  // 0.0075
     EXPECT_TRUE(strain_weight(1.0f, step_s));                               // 0.0083
