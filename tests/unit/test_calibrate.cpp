@@ -286,20 +286,25 @@ TEST(Fits, AReadingThatIsNoNumberCountsForNothing) {
 }
 
 TEST(MagFit, RefusesAnEllipsoidTooLong) {
-    const auto stretched = [](float by) {
-        Random random{7};
-        MagFit fit;
-        for (int i = 0; i < 600; ++i) {
-            const Vec3 d = 50.0f * direction(random);
-            fit.push({by * d.x, d.y, d.z});
-        }
-        return fit.result();
-    };
-    EXPECT_TRUE(stretched(1.5f));
-    EXPECT_TRUE(stretched(3.8f));
-    EXPECT_EQ(stretched(4.2f).status(), Status::bad_data);
-    EXPECT_TRUE(stretched(1 / 3.8f));
-    EXPECT_EQ(stretched(1 / 4.2f).status(), Status::bad_data);
+    // along axes of the sensor, and between two of them
+    for (const Vec3& axis :
+         {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{0, 0.6f, 0.8f},
+          Vec3{0.70710678f, 0, 0.70710678f}, Vec3{0.70710678f, 0.70710678f, 0}}) {
+        const auto stretched = [&axis](float by) {
+            Random random{7};
+            MagFit fit;
+            for (int i = 0; i < 300; ++i) {
+                const Vec3 d = 50.0f * direction(random);
+                fit.push(d + ((by - 1) * dot(d, axis)) * axis);
+            }
+            return fit.result();
+        };
+        EXPECT_TRUE(stretched(1.5f));
+        EXPECT_TRUE(stretched(3.8f));
+        EXPECT_EQ(stretched(4.2f).status(), Status::bad_data);
+        EXPECT_TRUE(stretched(1 / 3.8f));
+        EXPECT_EQ(stretched(1 / 4.2f).status(), Status::bad_data);
+    }
 }
 
 TEST(MagFit, RefusesPoorCoverage) {

@@ -451,6 +451,17 @@ TEST(Events, ALostLastEventComesAgain) {
     EXPECT_GT(seen, 2u);
 }
 
+TEST(Events, AFrameIsWrittenIntoItsOwnBytes) {
+    for (std::uint16_t events = 1; events <= queue; ++events) {
+        Line line;
+        for (std::uint16_t i = 0; i < events; ++i) ASSERT_TRUE(line.sender.push({i, i, 1, 0}));
+        line.bytes.fill(0x5a);
+        const std::size_t size = line.frame();
+        ASSERT_LT(size, line.bytes.size());
+        for (std::size_t i = size; i < line.bytes.size(); ++i) ASSERT_EQ(line.bytes[i], 0x5a);
+    }
+}
+
 TEST(Events, ALostFrameOfSeveralComesAgainAsOften) {
     Line line;
     ASSERT_TRUE(line.sender.push({1, 0, 1, 0}));

@@ -21,6 +21,12 @@ using Both = wire::Encoder<120, 0, wire::VectorForm<3, Reckless>, wire::Rotation
 using Sound =
     wire::Encoder<120, 0, wire::VectorForm<3, wire::Small>, wire::RotationForm<wire::Small>>;
 
+// the channel with the shorter window bounds the records of all
+template <std::size_t Positions, std::size_t Orientations>
+using Windows = reduce::Reducer<wire::VectorForm<3>::Channel<Positions>,
+                                wire::RotationForm<>::Channel<Orientations>>;
+static_assert(Windows<40, 24>::records_max == 24 && Windows<24, 40>::records_max == 24);
+
 struct Dice {
     std::mt19937_64 engine;
     double unit() { return static_cast<double>(engine() >> 11) * 0x1p-53; }

@@ -220,6 +220,11 @@ TEST(Mask, ByHand) {
     static_assert(checked);
     static_assert(!Mask<3>::checked({0.25, 0.5, 0.2501}));
     EXPECT_EQ(Mask<3>::checked({0.25, 0.5, 0.26}).status(), Status::bad_argument);
+    // seven decimals: the sum may be off by a millionth, and by no more
+    static_assert(Mask<3>::checked({0.25, 0.5, 0.2500009}) &&
+                  Mask<3>::checked({0.2499991, 0.5, 0.25}));
+    static_assert(!Mask<3>::checked({0.25, 0.5, 0.2500011}));
+    static_assert(!Mask<3>::checked({0.2499989, 0.5, 0.25}));
     EXPECT_EQ(Mask<3>::checked({NAN, 0.5, 0.5}).status(), Status::bad_argument);
     EXPECT_EQ(Mask<3>::checked({1e9, 1 - 2e9, 1e9}).status(), Status::bad_argument);
     EXPECT_DEATH((Mask<2>{{0.5, 0.6}}), "");
