@@ -134,8 +134,6 @@ def main():
         try:
             # compilations of their own come last: most of the table is known soon
             list(pool.map(lambda k: one(together.judge_switch, k), list(together.spans)))
-            if time.monotonic() < end:
-                together.find_folding(alone, args.jobs)
             list(pool.map(lambda k: one(together.judge_alone, k), alone))
         except BaseException:
             pool.shutdown(cancel_futures=True)

@@ -91,11 +91,11 @@ class Suite:
     def limit(self, seconds):
         return int(self.cpu_seconds_min + 5 * seconds)
 
-    def judge(self, header, overlay, tests, seconds):  # one mutant, compiled by itself
-        """What the tests say of the changed copy of a header in `overlay`. tests: those that may differ; None: all.
-        seconds: of CPU that a test takes on the original, as far as known. @return (outcome, by which test)."""
+    def judge(self, header, overlay, differs, seconds):  # one mutant, compiled by itself
+        """What the tests say of the changed copy of a header in `overlay`. differs(test): may it be another program? seconds: of
+        CPU that a test takes on the original, as far as known. @return (outcome, by which test)."""
         for source in self.of(header):
-            if tests is not None and source not in tests:
+            if not differs(source):
                 continue
             out = overlay / f"{source.parent.name}_{source.stem}.o"
             refused = self.compile(source, overlay, out)

@@ -20,7 +20,7 @@ class Together:
         self.suite, self.lib, self.mutants = suite, lib, mutants
         self.texts = {h: h.read_text(encoding="utf-8") for h, _ in mutants}
         headers = switches.Headers(sorted(self.texts), suite.flags)
-        self.spans, self.constant, self.folding = {}, {}, {}
+        self.spans, self.constant = {}, {}
         for k, (header, site) in enumerate(mutants, 1):
             text = self.texts[header]
             path = headers.path(header, site[1], site[1] + len(site[2].rstrip()))
@@ -132,24 +132,11 @@ class Together:
         outcome, by = self.judge_switch(k) if k in self.spans else (None, "")
         return self.judge_alone(k) if outcome is None else (outcome, by)
 
-    def find_folding(self, mutants, jobs):
-        """Of those that are evaluated by the compiler in some tests: in which. The other tests have judged the switch."""
-        ask = {k for k in mutants if k in self.spans and self.constant[k] != "always"}
-
-        def search(source, found):
-            includes = self.suite.includes[source]
-            found = sorted(k for k in found if self.mutants[k - 1][0].resolve() in includes)
-            folded = " || ".join(f"k == {k}" for k in found) or "false"
-            if not found or self.suite.compile(source, self.overlay, None, [f"-DFOLDED={folded}"]) is None:
-                return set()
-            half = len(found) // 2
-            return set(found) if half == 0 else search(source, found[:half]) | search(source, found[half:])
-
-        tests = list(self.tests)
-        with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-            for source, found in zip(tests, pool.map(lambda s: search(s, ask), tests)):
-                for k in ask:
-                    self.folding.setdefault(k, set()).update({source} if k in found else ())
+    def folds(self, k, source):
+        """Does the compiler evaluate the place itself in this test? If not, the runs with the switch on have judged it."""
+        if k not in self.spans or source not in self.tests or self.constant[k] == "always":
+            return True
+        return self.suite.compile(source, self.overlay, None, [f"-DFOLDED=k == {k}"]) is not None
 
     def judge_alone(self, k):
         """By compilations of its own."""
@@ -160,7 +147,7 @@ class Together:
             changed.parent.mkdir(parents=True)
             changed.write_text(mutated(self.texts[header], site), encoding="utf-8")
             seconds = {s: t[1] for s, t in self.tests.items()}
-            return self.suite.judge(header, overlay, self.folding.get(k), seconds)
+            return self.suite.judge(header, overlay, lambda source: self.folds(k, source), seconds)
 
     def judge_switch(self, k):
         """By runs with the switch on. @return (outcome, by which test); outcome None: this cannot tell"""
