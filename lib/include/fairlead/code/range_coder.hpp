@@ -172,20 +172,22 @@ class RangeDecoder {
 /// tell a number that is too large.
 template <class Io>
 constexpr bool exp_golomb(Io& io, std::uint32_t& v, unsigned k) noexcept {
-    // v + 2^k has `more + k + 1` bits; `more` is told in unary
-    const std::uint64_t wide = std::uint64_t{v} + (std::uint64_t{1} << k);
+    // v + 2^k, here without its bit 32, has `more + k + 1` bits; `more` is told in unary
+    const std::uint32_t least = 1u << k, wide = v + least;
     unsigned more = 0;
     for (bool going = true; more + k <= 32; ++more) {
-        going = Io::writes && (wide >> (more + k + 1)) != 0;
+        const unsigned bits = more + k + 1;
+        going = Io::writes && (wide < least ? bits <= 32 : bits < 32 && wide >> bits != 0);
         io.flag(going, 1, 1);
         if (!going) break;
     }
-    if (more + k > 32) return false;
-    auto low = static_cast<std::uint32_t>(wide & ((std::uint64_t{1} << (more + k)) - 1u));
-    io.bits(low, more + k);
-    const std::uint64_t value = (std::uint64_t{1} << (more + k)) + low - (std::uint64_t{1} << k);
-    if (value > 0xffffffffu) return false;
-    v = static_cast<std::uint32_t>(value);
+    const unsigned below = more + k;
+    if (below > 32) return false;
+    const std::uint32_t first = below < 32 ? 1u << below : 0;
+    std::uint32_t low = wide & (first - 1u);
+    io.bits(low, below);
+    if (below == 32 && low >= least) return false;
+    v = first + low - least;
     return true;
 }
 

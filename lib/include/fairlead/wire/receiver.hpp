@@ -332,10 +332,7 @@ class Receiver {
         const bool header = data[0] == header_head;
         if (!header && !header_known_) return Found::nothing;
         const std::size_t sealed = size - crc_size;
-        const std::uint32_t crc = crc32(data, sealed, header ? 0 : header_);
-        for (std::size_t i = 0; i < crc_size; ++i)
-            if (data[sealed + i] != static_cast<std::uint8_t>(crc >> (8 * i)))
-                return Found::nothing;
+        if (four(data + sealed) != crc32(data, sealed, header ? 0 : header_)) return Found::nothing;
         frame_ = {data, static_cast<std::uint16_t>(size), 0, 0};
         counters_.good_bytes += size;
         return header ? Found::header : Found::events;

@@ -69,8 +69,7 @@ struct Tracks {
             channel[channels] = {rotates, static_cast<std::uint8_t>(first),
                                  static_cast<std::uint8_t>(count), c.kind, c.tolerance};
             for (std::size_t i = 0; i < count; ++i, ++first)
-                if (!set_scale(rotates, first, c.step[i]) || !set_origin(rotates, first, i, c))
-                    return false;
+                if (!set(rotates, first, i, c)) return false;
         }
         return true;
     }
@@ -101,21 +100,21 @@ struct Tracks {
     }
 
   private:
-    bool set_scale(bool rotates, std::size_t at, const curve::Scale& s) noexcept {
+    /// One axis, or the rotation, of a channel: its step and its origin.
+    bool set(bool rotates, std::size_t at, std::size_t i, const ChannelShape& c) noexcept {
+        const curve::Scale& s = c.step[i];
         if (at >= (rotates ? Rotations : Axes) || !curve::Scale::valid(s.m, s.e)) return false;
         if constexpr (Rotations > 0)
             if (rotates) {
                 turn[at] = s;
-                return curve::rotation_step_valid(s.template step<float>());
+                const float size = step(at);
+                return curve::rotation_step_valid(size) &&
+                       origin_of(c, turn_origin[at], curve::grid_size(size));
             }
-        if constexpr (Axes > 0) scale[at] = s;
-        return true;
-    }
-    /// Behind set_scale(): of a rotation, the origin must lie on its grid.
-    bool set_origin(bool rotates, std::size_t at, std::size_t i, const ChannelShape& c) noexcept {
-        if constexpr (Rotations > 0)
-            if (rotates) return origin_of(c, turn_origin[at], curve::grid_size(step(at)));
-        if constexpr (Axes > 0) origin[at] = c.origin[i];
+        if constexpr (Axes > 0) {
+            scale[at] = s;
+            origin[at] = c.origin[i];
+        }
         return true;
     }
 };
