@@ -462,6 +462,50 @@ TEST(StreamEncoder, TheHeaderTellsEachToleranceAndHardlyMore) {
     }
 }
 
+/// What the header of an encoder with these parameters says of times.
+wire::FrameTiming timing_of(const Turning::Params& params) {
+    auto encoder = std::make_unique<Turning>(params);
+    const Bytes bytes = encoder->push(0, {Quat{}}, 1, 0, true);
+    wire::Header header;
+    if (bytes.empty() ||
+        wire::read_header(bytes.data, wire::frame_size(bytes.data[0], bytes.data[1]), header) !=
+            wire::HeaderFault::none)
+        ADD_FAILURE() << "no header with the first record";
+    return header.shape.timing;
+}
+
+TEST(StreamEncoder, TheHeaderTellsHowFarApartRestartsAreAndEnoughOfATime) {
+    Turning::Params params;
+    params.tolerance = {0.0044f};
+    params.sample_period_ns = 6'400'000;
+    params.delay_records = 32;
+    const wire::FrameTiming usual = timing_of(params);
+    const std::int64_t tick_ns = std::int64_t{usual.sub_ns} * 64;
+    EXPECT_EQ(tick_ns, params.sample_period_ns);
+    const std::int64_t frame_ns = usual.usual_ticks * tick_ns;
+    const auto told = [&](std::int64_t interval_ns) {
+        params.restart_interval_ns = interval_ns;
+        return int{timing_of(params).restart_frames};
+    };
+    for (const int frames : {2, 3, 254, 255}) {
+        EXPECT_EQ(told(frames * frame_ns), frames);
+        EXPECT_EQ(told((frames + 1) * frame_ns - 1), frames);
+    }
+    EXPECT_EQ(told(frame_ns), 2) << "never one behind the other";
+    EXPECT_EQ(told(256 * frame_ns), 0) << "more than the header tells";
+    EXPECT_EQ(told(wire::never_ns), 0);
+    EXPECT_EQ(told(wire::every_frame_ns), 0);
+    params.restart_interval_ns = 1'000'000'000;
+    for (const std::int64_t ms : {1000, 5000, 14'000, 15'000, 16'000, 60'000, 3'600'000}) {
+        params.header_interval_ns = ms * 1'000'000;
+        const std::int64_t reach_ns = std::min<std::int64_t>(2 * ms, 30'000) * 1'000'000;
+        const std::int64_t span_ns = tick_ns * wire::unwraps << timing_of(params).time_bits;
+        EXPECT_GE(span_ns, reach_ns + tick_ns) << ms;
+        EXPECT_LT(span_ns / 2, std::max(reach_ns + 3 * tick_ns, tick_ns * wire::unwraps * 32))
+            << ms;
+    }
+}
+
 TEST(StreamEncoder, EventsComeOutExactlyAndOnce) {
     Both::Params params;
     params.tolerance = {0.001f, 0.0044f};
