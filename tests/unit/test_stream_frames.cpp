@@ -181,6 +181,14 @@ TEST(Stream, AWriterRefusesAPieceThatDoesNotFitAtOnce) {
     EXPECT_FALSE(writer.piece(jump));
 }
 
+TEST(Stream, AReaderTellsTheToleranceInSteps) {
+    RandomStream source{Options{}, 1};
+    Reader reader;
+    for (const std::uint8_t b : source.header(true)) reader.push(b);
+    for (std::uint8_t c = 0; c < 2; ++c)  // 54614 / 32768, as the header says
+        EXPECT_FLOAT_EQ(reader.tolerance_steps(c), 1.6666870f);
+}
+
 TEST(Stream, AskingChangesNothing) {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         const Stream stream{some_options(seed), seed, 40};
