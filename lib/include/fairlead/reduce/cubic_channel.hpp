@@ -47,6 +47,8 @@ class CubicChannel {
     /// window is open and behind a commit.
     static constexpr std::int32_t lag = 12;
     static constexpr std::size_t columns_a_push = 2, columns_behind = 3;
+    /// The same where a frame must leave in one push, before the column of its end.
+    static constexpr std::size_t columns_at_once = 1;
     static constexpr Cost column_bits_max = D * jump_bits_max(1);
     static constexpr Cost start_bits_max = 9 + 27 * D + 79;
     /// About what the next column may add.
@@ -200,7 +202,8 @@ class CubicChannel {
         const bool all = samples >= check_all;
         for (std::size_t i = 0; finishing_; ++i) {
             if (i == columns_behind && !all) return false;
-            if (!advance(segment_.end_tick, segment_.end_tick, i >= columns_behind)) finish();
+            const bool hurry = i >= (all ? columns_at_once : columns_behind);
+            if (!advance(segment_.end_tick, segment_.end_tick, hurry)) finish();
             if (!finishing_ && !all) return false;
         }
         Check& k = check_;
