@@ -11,7 +11,7 @@
 namespace {
 
 using namespace fairlead;
-using Kinds = wire::KindSet<curve::Smooth>;
+using Kinds = wire::KindSet<curve::Smooth, curve::Cubics>;
 
 template <unsigned Bits>
 struct Checks : wire::Everything {
@@ -20,7 +20,7 @@ struct Checks : wire::Everything {
 
 template <class Decoder>
 void drain(Decoder& decoder) {
-    wire::CurvePiece piece;
+    typename Decoder::Piece piece;
     Event event;
     int told = 0;
     while (decoder.next(piece)) {
@@ -71,7 +71,8 @@ wire::Header header_of(fuzz::Input& in) {
         if ((form & (rotates ? 64u : 128u)) != 0 && s.channels + rotates > 0) continue;
         wire::ChannelShape& c = s.channel[s.channels++];
         c.type = rotates ? wire::ChannelType::orientation : wire::ChannelType::vector;
-        c.kind = 1;
+        const bool cubic = !rotates && (form & 16u) != 0 && !s.timing.independent;
+        c.kind = cubic ? curve::Cubics::id : curve::Smooth::id;
         c.axes = 3;
         c.step.fill(
             curve::Scale::of_step(rotates ? 1e-4f * static_cast<float>(1 + in.byte()) : 0.01f));
