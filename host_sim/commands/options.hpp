@@ -152,6 +152,9 @@ inline void add_search(CLI::App& command, ReplayOptions& options) {
         ->check(CLI::Range(0, 2));
 }
 
+/// The stream counts in ns: a shorter interval is none.
+inline bool has_restarts(const ReplayOptions& options) { return options.restart_s >= 1e-9; }
+
 /// What --objective and --continuity mean together.
 inline void check_search(const ReplayOptions& options) {
     if (options.continuity == 2 && options.objective == Objective::bytes) {
@@ -159,12 +162,12 @@ inline void check_search(const ReplayOptions& options) {
             throw BadSpec(
                 "--continuity 2 with --objective bytes concerns positions: an orientation has a "
                 "continuous velocity; --objective knots gives it a continuous acceleration");
-        if (!(options.restart_s >= 1e-9))  // the stream counts in ns
+        if (!has_restarts(options))
             throw BadSpec(
                 "--continuity 2 needs restarts: a frame of such a curve needs the one before it, "
                 "so --independent and --restart 0 are not for it");
     }
-    if (options.objective == Objective::knots && !(options.restart_s >= 1e-9))
+    if (options.objective == Objective::knots && !has_restarts(options))
         throw BadSpec("--independent and --restart 0 need --objective bytes");
 }
 

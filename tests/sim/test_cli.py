@@ -245,6 +245,7 @@ def test_the_width_of_the_search_and_its_objective(folder):
     options = ("--tol-pos", "1e-3", "--tol-rot", "0.00436", "--out", folder / "s.flr")
     expect(2, "reduce", trk, *options, "--continuity", 2, "--channel", "orientation", says="--objective knots")
     expect(2, "reduce", trk, *options, "--continuity", 2, "--independent", says="needs restarts")
+    expect(2, "reduce", trk, *options, "--continuity", 2, "--restart", "1e-12", says="needs restarts")
     expect(2, "reduce", trk, *options, "--objective", "knots", "--independent", says="--objective bytes")
     expect(2, "reduce", trk, *options, "--beam", "wide", "--slice", "small", says="--beam")
     expect(2, "reduce", trk, *options, "--delay", 15, says="16")

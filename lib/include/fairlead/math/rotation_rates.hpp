@@ -36,12 +36,14 @@ struct RotationSeries {
 }  // namespace detail
 
 /// Of q(t) = A exp(theta(t)) with any constant A, from theta in rad and its two derivatives. Exact
-/// to rounding for |theta| <= 4 rad. Cost: about 150 operations.
+/// to rounding for |theta| <= 4 rad. Beyond it: `rate` and `bend` as they are, so that nonsense
+/// gives no infinities. Cost: about 150 operations.
 template <class Real>
 constexpr RotationMotion<Real> rotation_motion(const BasicVec3<Real>& theta,
                                                const BasicVec3<Real>& rate,
                                                const BasicVec3<Real>& bend) noexcept {
     const Real a = dot(theta, theta), a_rate = 2 * dot(theta, rate);
+    if (!(a <= 16)) return {rate, bend};
     // (1 - cos |theta|) / |theta|^2 and (|theta| - sin |theta|) / |theta|^3
     const detail::RotationSeries<Real> one{a, 2}, two{a, 3};
     const BasicVec3<Real> once = cross(theta, rate), twice = cross(theta, once);

@@ -62,7 +62,7 @@ class RotationChannel {
     }
     const curve::Scale& scale(std::size_t = 0) const noexcept { return scale_; }
     float step() const noexcept { return step_; }
-    /// Where the frame began that is open.
+    /// The state at the start of the open frame.
     const curve::RotationState& frame_state() const noexcept { return start_; }
 
     bool active() const noexcept { return active_; }
